@@ -23,6 +23,10 @@ SKIPPED = (
     "capture.recording.fingerprint",
 )
 """Input, output and species files: their result is part of the fingerprint as numbers."""
+UNRECORDED = (
+    "name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "cruise_height", "skin",
+)  # fmt: skip
+"""Keys of a species that recorded motion does not depend on."""
 BLOCKS = {tokenize.INDENT: "{", tokenize.DEDENT: "}"}
 IGNORED = (tokenize.COMMENT, tokenize.NL)
 
@@ -33,7 +37,7 @@ def fingerprint(species: Species, root: str = ROOT) -> str:
     The code is that of the module ``root`` and of all that this uses.
     """
     plans = msgspec.to_builtins(species)
-    for key in ("name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "skin"):
+    for key in UNRECORDED:
         del plans[key]
     libraries = {"numpy": np.__version__, "numba": numba.__version__}
     known = {"plans": plans, "versions": libraries, "code": _code_hash(root)}

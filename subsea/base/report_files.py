@@ -77,6 +77,7 @@ class Report:
     findings: Sequence[RangeCheck]
     sources: Mapping[str, str]  # by the keys that findings name
     extent: str = ""  # a sentence above the table of a page
+    below: Sequence[str] = ()  # lines below it
     more: Mapping[str, Any] = field(default_factory=dict)  # beside the findings in JSON
     plots: Mapping[str, Draw] = field(default_factory=dict)  # by name of the file
 
@@ -112,7 +113,8 @@ class ReportFiles:
                 temporary.write_text(to_json(rows, **report.more), encoding="utf-8")
         if self.page:
             extent = [report.extent, ""] if report.extent else []
-            write_page(self.page, self.name, [*extent, *report_lines(rows, report.sources)])
+            below = ["", *report.below] if report.below else []
+            write_page(self.page, self.name, [*extent, *report_lines(rows, report.sources), *below])
         for path in drawn:
             print_line(path)
 

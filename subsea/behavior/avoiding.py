@@ -1,10 +1,14 @@
 """Avoid collisions with other fishes and with obstacles (Tu §7.8.1)."""
 
+import numpy as np
+
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.schooling import known_by
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import dot, minus, norm, plus, times, unit, vector
+from subsea.geometry.solids import from_pillar, from_rock
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import (
     ASCEND,
@@ -15,6 +19,9 @@ from subsea.state import (
     PREY,
     RIGHT,
     SCHOOL,
+    SEABED,
+    SURFACE,
+    WALL,
     Clock,
     Fishes,
     Minds,
@@ -27,6 +34,13 @@ MAKING_ROOM = 0.6  # this weight in a school, so that the fish stays with it
 SLOWED = 0.35  # share of the fastest speed while a fish ahead passes
 CAREFUL = 0.6  # largest share while it rounds an obstacle
 PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
+AROUND = 0.4  # weight of turning aside from an obstacle against keeping the course
+INWARD = 0.8  # likewise from the wall of the sea
+SMALL = 0.2  # a fish yields to none below this share of its length: the small one yields
+LEVEL_OFF = 0.15  # slope of the way off the seabed and the surface
+HEAD_ON = 0.05  # sine of the angle to an obstacle's normal below which both sides are equal
+SIDE_PURPOSE = np.int64(150)  # key of the random numbers
+BARRIERS = 1 << 20  # beside the numbers of fishes, those of barriers in keys
 
 
 @kernel
@@ -35,12 +49,14 @@ def desire(
 ) -> None:
     """1 where perception found a danger of collision, else 0.
 
-    Hunters do not yield to prey, and prey in panic minds its predator alone: `keep_clear` leads
-    both past what they meet. Fishes of a school make room for each other by schooling.
+    Hunters do not yield to prey, nor large fishes to much smaller ones, and prey in panic minds its
+    predator alone: `keep_clear` leads them past what they meet. Fishes of a school make room for
+    each other by schooling.
     """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
+        yields = yields and fishes.length[j] > SMALL * fishes.length[i]
         if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
         panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
@@ -49,7 +65,10 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Turn aside; where both sides are equal, to the side that the motor preferences favour."""
+    """Turn aside; where both sides are equal, to the side that the motor preferences favour.
+
+    From the seabed a fish climbs, and from the surface it dives.
+    """
     for i in who:
         ahead = x_axis(fishes.orientation[i])
         j = minds.threat[i]
@@ -58,16 +77,13 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if j == NOBODY:
             # `steering.keep_clear` leads around obstacles; a slower fish turns more tightly.
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), CAREFUL)
-            set_urge(minds, i, ahead)
-            side = _side(minds, i)
-            minds.urge[i, 0] -= 0.4 * side * ahead[1]
-            minds.urge[i, 1] += 0.4 * side * ahead[0]
+            set_urge(minds, i, _off_barrier(fishes, minds, i, sea, clock))
             continue
         away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
         before = -dot(away, ahead)
         aside = plus(away, times(before, ahead))
         if norm(aside) < PASSING_BL * fishes.length[i]:
-            side = _side(minds, i)
+            side = _side(minds, i, j, clock)
             aside = (-side * ahead[1], side * ahead[0], 0.01)
         schooling = minds.memory[i] == SCHOOL
         urge = plus(ahead, times(MAKING_ROOM if schooling else ASIDE, unit(aside)))
@@ -83,9 +99,38 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 
 @kernel
-def _side(minds: Minds, i: int) -> float:
-    """1 for left, -1 for right: the preferred side, else a fixed one for each fish."""
+def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
+    """Urge off the obstacle before fish i."""
+    ahead, barrier = x_axis(fishes.orientation[i]), minds.barrier[i]
+    if barrier in (SEABED, SURFACE):
+        slope = LEVEL_OFF if barrier == SEABED else -LEVEL_OFF
+        return ahead[0], ahead[1], slope
+    eye = plus(vector(fishes.position[i]), times(float(fishes.snout[i]), ahead))
+    pillars = len(sea.pillars)
+    weight = AROUND
+    if barrier == WALL:
+        out, weight = unit((-eye[0], -eye[1], 0.0)), INWARD
+    elif barrier < pillars:
+        out = from_pillar(sea.pillars[barrier], eye)[0]
+    else:
+        out = from_rock(sea.rocks[barrier - pillars], eye)[0]
+    across = ahead[0] * out[1] - ahead[1] * out[0]
+    if abs(across) < HEAD_ON:
+        side = _side(minds, i, BARRIERS + barrier, clock)
+    else:
+        side = 1.0 if across > 0.0 else -1.0
+    return ahead[0] - weight * side * ahead[1], ahead[1] + weight * side * ahead[0], ahead[2]
+
+
+@kernel
+def _side(minds: Minds, i: int, other: int, clock: Clock) -> float:
+    """1 for left, -1 for right: the preferred side, else one at random for each encounter.
+
+    An encounter is with one fish or barrier, `other`, in one reaction, which began `busy` s ago.
+    """
     difference = minds.preference[i, LEFT] - minds.preference[i, RIGHT]
     if difference == 0.0:
-        return 1.0 if i % 2 == 0 else -1.0
+        began = clock.tick - np.int64(round(float(minds.busy[i]) / clock.dt))
+        chance = uniform(clock.seed, i, began + (np.int64(other) << 40), SIDE_PURPOSE)
+        return 1.0 if chance < 0.5 else -1.0
     return 1.0 if difference > 0.0 else -1.0

@@ -36,6 +36,10 @@ CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and 
 LEADING = 0.45  # a leader keeps its school moving
 BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
 WAITING = 0.2  # its speed while no companion is near, or many are left behind
+AHEAD_BL = 1.5  # distance ahead at which a fish that keeps to the ground feels for it
+GENTLE_RAD = np.radians(30.0)  # greatest turn to a waypoint of such a fish: it glides in wide arcs
+BERTH_BL = 2.5  # distance of waypoints from the wall, for fishes that are long for their sea ...
+LEAST_ROAM = 0.4  # ... at this share of its radius or more
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) for key in range(4))
 
 
@@ -82,34 +86,67 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
     if done and minds.errand[i] <= 0.0:
         redraw(fishes, minds, i, sea, clock)
         toward = minus(vector(minds.waypoint[i]), here)
+    if minds.cruise_height[i, 0] < np.inf and minds.errand[i] <= 0.0:
+        toward = _along_ground(fishes, minds, i, sea, toward)
     return times(1.0 / max(norm(toward), 1.0), toward)
+
+
+@kernel
+def _along_ground(fishes: Fishes, minds: Minds, i: int, sea: Sea, toward: Vector) -> Vector:
+    """Way to a waypoint that keeps its height over the ground, in a wide arc.
+
+    The higher ground counts, below the fish or ahead of it.
+    """
+    here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
+    course = np.arctan2(ahead[1], ahead[0])
+    turn = np.arctan2(toward[1], toward[0]) - course
+    turn -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
+    course += min(max(turn, -GENTLE_RAD), GENTLE_RAD)
+    x, y = np.cos(course), np.sin(course)
+    reach = AHEAD_BL * float(fishes.length[i])
+    ground = max(
+        height_at(sea.floor, sea.half_width, here[0], here[1]),
+        height_at(sea.floor, sea.half_width, here[0] + reach * x, here[1] + reach * y),
+    )
+    place = vector(minds.waypoint[i])
+    over = place[2] - height_at(sea.floor, sea.half_width, place[0], place[1])
+    slope = min(max((ground + over - here[2]) / reach, -SLOPE), SLOPE)
+    far = max(norm(toward), 1.0)
+    return far * x, far * y, far * slope
 
 
 @kernel
 def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Draw a waypoint in free water, with a gentle climb or dive, and the patience for it.
 
-    That of a school lies ahead of it, so that the school does not have to turn back.
+    That of a school lies ahead of it, so that the school does not have to turn back, and likewise
+    that of a fish that keeps to the ground.
     """
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
-    for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
+    plans = minds.leads[i] or minds.cruise_height[i, 0] < np.inf
+    for attempt in range(LEADERS_ATTEMPTS if plans else ATTEMPTS):
         tick = clock.tick + (attempt << 40)
         if minds.home_range[i] < np.inf:
             store(minds.waypoint[i], _near_home(minds, i, sea, clock.seed, tick))
             break
         angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
-        reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
+        roam = max(min(ROAM, 1.0 - BERTH_BL * fishes.length[i] / sea.radius), LEAST_ROAM)
+        reach = roam * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
         x, y = reach * np.cos(angle), reach * np.sin(angle)
         floor = height_at(sea.floor, sea.half_width, x, y) + FLOOR_CM
         # Most life of a reef is in the lower half of the water.
         depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
         z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
+        low, high = minds.cruise_height[i]
+        if low < np.inf:
+            # Never so high that it would be nearer to the surface.
+            z = floor - FLOOR_CM + min(low + depth * (high - low), 0.5 * (FLOOR_CM - floor))
         store(minds.waypoint[i], (x, y, max(z, floor)))
         there = vector(minds.waypoint[i])
         way = minus(there, here)
         onward = dot(way, ahead) > AHEAD_COS * norm(way) and is_broad(sea, here, there)
-        if _is_free(sea, there) and (not minds.leads[i] or onward):
+        if _is_free(sea, there) and (not plans or onward):
             break
     low, high = PATIENCE_S
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)

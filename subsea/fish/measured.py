@@ -52,6 +52,7 @@ class SwimmingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     gait_change: MeasuredRange | None = None  # speed at which the tail joins the pectoral fins
     escape_angle: MeasuredRange | None = None  # of C-starts; None: it makes none
     escape_duration: MeasuredRange | None = None  # s
+    height: MeasuredRange | None = None  # over the ground, of a species that keeps to it
 
 
 class PostureFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -75,13 +76,37 @@ class CoastingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 class SchoolFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Schools on the way."""
+    """Schools without alarm, and their fishes."""
 
     polarisation: MeasuredRange
-    nearest: MeasuredRange  # distance of the nearest neighbour, L
+    disorder: MeasuredRange  # share of the time with a polarisation below one half
+    nearest: MeasuredRange  # distance of the nearest neighbour, L: median ...
+    near: MeasuredRange  # ... and 5th percentile
     room: MeasuredRange  # volume for each fish, L³
     elevation: MeasuredRange  # of the nearest neighbour above or below, degrees
+    oblique: MeasuredRange  # density of the nearest at 45° and 135° over that at 90°
+    longer: MeasuredRange  # length over width
+    flatter: MeasuredRange  # length over height
+    variation: MeasuredRange  # standard deviation of a fish's speed over its mean
+    slow: MeasuredRange  # share of the time below half of the own median speed
+    gliding: MeasuredRange  # share of the time with a still tail
     split: MeasuredRange  # duration, s
+
+
+class MindFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Steadiness of minds."""
+
+    short: MeasuredRange  # share of bouts of intention below half a second
+    alarm: MeasuredRange  # after the last sight of a predator, s
+    flips: MeasuredRange  # passages of fear through the threshold of alarm in a minute
+
+
+class BudgetFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Shares of active time."""
+
+    feeding: MeasuredRange
+    courting: MeasuredRange  # by day
+    avoiding: MeasuredRange
 
 
 class PredationFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -99,6 +124,8 @@ class MeasuredSwimming(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     coasting: CoastingFacts
     schools: SchoolFacts
     predation: PredationFacts
+    minds: MindFacts
+    budget: BudgetFacts
     species: dict[str, SwimmingFacts]
 
 
@@ -110,6 +137,7 @@ def load_measured(path: Path | None = None) -> MeasuredSwimming:
     for name, group in groups.items() | {
         ("posture", table.posture), ("coasting", table.coasting),
         ("schools", table.schools), ("predation", table.predation),
+        ("minds", table.minds), ("budget", table.budget),
     }:  # fmt: skip
         for key in group.__struct_fields__:
             value = getattr(group, key)

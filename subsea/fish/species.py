@@ -34,6 +34,7 @@ Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
 Width = Annotated[float, msgspec.Meta(ge=1e-4, le=1)]
 Around = Annotated[float, msgspec.Meta(ge=-3, le=3)]  # body lengths, on the body or beside it
 Colour = tuple[Share, Share, Share]  # linear RGB
+CruiseHeight = Annotated[float, msgspec.Meta(ge=0.1, le=50)]  # body lengths
 BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
 Place = tuple[Share, Extent]  # (distance from the snout, height above the axis), body lengths
 
@@ -169,6 +170,8 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     )
     least_speed: Share = 0.0  # of a ram ventilator, share of the fast swim's
     home_cm: Annotated[float, msgspec.Meta(ge=1, le=1e4)] | None = None  # farthest from its home
+    # Lowest and highest cruise over the ground, body lengths; None: at any height.
+    cruise_height: tuple[CruiseHeight, CruiseHeight] | None = None
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None
@@ -202,6 +205,8 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             raise ValueError("[skin.spots] are for bodies with [surface.wing]")
         if self.size_cm[0] > self.size_cm[1]:
             raise ValueError("size_cm must name the smallest length first")
+        if self.cruise_height and self.cruise_height[0] > self.cruise_height[1]:
+            raise ValueError("cruise_height must name the lowest height first")
         for fin in ("dorsal", "ventral", "pectoral", "pelvic"):
             colours = fin if fin in ("dorsal", "ventral") else "paddles"
             if getattr(self.surface, fin) and not getattr(self.skin, colours):

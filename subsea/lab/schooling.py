@@ -1,4 +1,4 @@
-"""Schools as measured in nature: order, spacing, room, bearings and splits."""
+"""Schools as measured in nature: order, states, spacing, shape, bearings, rhythm and splits."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -9,12 +9,16 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.lab.measures import SAMPLE_S, headings, runs
+from subsea.lab.rhythm import Rhythm, rhythm
 from subsea.media.record import Record
 from subsea.state import AVOID, ESCAPE, FEAR, SCHOOL
 
 LINK_BL = 4.0  # fishes of a school within this distance are connected
 WHOLE = 0.9  # least connected share of a whole school
 SPLIT_S = 0.5  # minimum duration of a split
+# States of a school (Tunstrøm et al. 2013): polarised, milling, swarm, by order above and below.
+HIGH_ORDER, LOW_ORDER = 0.65, 0.35
+DISORDER = 0.5  # polarisation below which Etroplus schools are for 20 to 37% of the time
 
 
 class School(NamedTuple):
@@ -26,6 +30,7 @@ class School(NamedTuple):
     calm: Bools  # (k,), whether none of them is alarmed
     cruises: Bools  # (k,), whether at least half of them school, and none is alarmed
     polarisation: Array  # (k,) length of the mean heading of those that school
+    rotation: Array  # (k,) order of their rotation about their middle, seen from above
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
     together: Array  # (k,) share of those that school in the largest connected part
     distances: Array  # every such distance while it cruises, body lengths
@@ -54,7 +59,7 @@ def schools(record: Record) -> list[School]:
 
 
 def _school(record: Record, leader: int, every: int) -> School:
-    rows: list[tuple[float, int, bool, bool, float, float, float]] = []
+    rows: list[tuple[float, int, bool, bool, float, float, float, float]] = []
     distances: list[Array] = []
     for t in range(0, len(record.time), every):
         those = record.alive[t] & (record.leader[t] == leader)
@@ -67,22 +72,45 @@ def _school(record: Record, leader: int, every: int) -> School:
             continue
         calm = bool(record.mental_state[t, members, FEAR].max() <= record.alarmed)
         cruises = calm and bool(2 * ((doing == SCHOOL) | led).sum() >= len(members))
-        polarisation = float(
-            np.linalg.norm(headings(record.orientation[t, schooling]).mean(axis=0))
-        )
-        nearest, together = _spread(
-            record.position[t, schooling].astype(np.float64), record.length[schooling], LINK_BL
-        )
+        ahead = headings(record.orientation[t, schooling])
+        place = record.position[t, schooling].astype(np.float64)
+        nearest, together = _spread(place, record.length[schooling], LINK_BL)
         if cruises:
             distances.append(nearest)
         rows.append((
-            float(record.time[t]), len(members), calm, cruises, polarisation,
+            float(record.time[t]), len(members), calm, cruises,
+            float(np.linalg.norm(ahead.mean(axis=0))), rotation_order(place, ahead),
             float(np.median(nearest)), together,
         ))  # fmt: skip
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 7
-    fields = dict(zip(School._fields[1:8], columns, strict=True))
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 8
+    fields = dict(zip(School._fields[1:9], columns, strict=True))
     nearby = np.concatenate(distances) if distances else np.zeros(0)
     return School(leader=leader, **fields, distances=nearby)
+
+
+def rotation_order(place: Array, ahead: Array) -> float:
+    """Measure the order of rotation of fishes about their middle, 0 to 1, seen from above.
+
+    It is the length of the mean of r × u over all fishes, for unit vectors r from the middle of
+    the `place`s (m, 3) and headings u = `ahead` (m, 3) (Tunstrøm et al. 2013).
+    """
+    out, way = (place - place.mean(axis=0))[:, :2], ahead[:, :2]
+    sizes = np.linalg.norm(out, axis=1) * np.linalg.norm(way, axis=1)
+    turning = (out[:, 0] * way[:, 1] - out[:, 1] * way[:, 0]) / np.maximum(sizes, 1e-9)
+    return float(abs(turning.mean()))
+
+
+def state_shares(polarisation: Array, rotation: Array) -> Array:
+    """Measure the shares (3,) of samples (k,) of a school that is polarised, mills or swarms.
+
+    The rest is in between (Tunstrøm et al. 2013). NaN without samples.
+    """
+    if not len(polarisation):
+        return np.full(3, np.nan)
+    polarised = (polarisation > HIGH_ORDER) & (rotation < LOW_ORDER)
+    mills = (polarisation < LOW_ORDER) & (rotation > HIGH_ORDER)
+    swarms = (polarisation < LOW_ORDER) & (rotation < LOW_ORDER)
+    return np.array([polarised.mean(), mills.mean(), swarms.mean()])
 
 
 @kernel
@@ -158,7 +186,11 @@ def split_periods(time: Array, together: Array, end: float) -> list[tuple[int, i
     return found
 
 
-BEARINGS = 8  # sectors of 45 degrees from straight ahead to straight behind, both sides alike
+BEARINGS = 8  # sectors of equal solid angle from ahead to behind, both sides alike
+SECTORS = 18  # of 10 degrees from ahead to behind seen from above, both sides alike
+OBLIQUE = (3, 4, 5, 12, 13, 14)  # sectors about 45 and 135 degrees ...
+ABREAST = (8, 9)  # ... and about 90 degrees
+FILED = 0.5  # least polarisation of a school that has a length and a width
 
 
 class Schooling(NamedTuple):
@@ -167,15 +199,31 @@ class Schooling(NamedTuple):
     leader: int  # fish that the school is known by
     fishes: int
     polarisation: float  # median
-    nearest_bl: float  # median distance to the nearest neighbour
+    disorder: float  # share of the time with a polarisation below DISORDER
+    rotation: float  # median
+    states: Array  # (3,) shares of polarised, milling and swarm
+    nearest_bl: float  # median distance to the nearest neighbour ...
+    near_bl: float  # ... and its 5th percentile
     height_bl: float  # median difference in depth to that neighbour
     room_bl3: float  # median volume per fish, body lengths cubed
     ahead_bl: float  # median distance by which the foremost fish leads the second
+    longer: float  # median of length over width, of a school on its way
+    flatter: float  # median of length over height
     bearing: Array  # (BEARINGS,) shares of nearest neighbours by bearing, of equal solid angles
+    sector: Array  # (SECTORS,) shares of nearest neighbours by bearing from above
+    rhythm: Rhythm  # of its fishes
     time: Array  # (k,) s, of the samples of ...
     together: Array  # (k,) ... the share in the largest connected part ...
     calm: Bools  # (k,) ... and whether no fish is alarmed
     end: float  # s
+
+    @property
+    def oblique(self) -> float:
+        """Density of nearest neighbours about 45° and 135° over that about 90°; NaN if unknown."""
+        abreast = self.sector[list(ABREAST)].mean()
+        if not self.sector.sum():
+            return float("nan")
+        return float(self.sector[list(OBLIQUE)].mean() / max(abreast, 1e-9))
 
     @property
     def split_s(self) -> Array:
@@ -191,6 +239,13 @@ class Schooling(NamedTuple):
         return np.array([one[2] for one in split_periods(self.time, together, self.end)])
 
 
+MEDIANS = (
+    "polarisation", "disorder", "rotation", "nearest_bl", "near_bl", "height_bl", "room_bl3",
+    "ahead_bl", "longer", "flatter",
+)  # fmt: skip
+"""Measures whose median over the parts of a record is that of the whole, nearly."""
+
+
 def schooling(record: Record) -> list[Schooling]:
     """Measure every school of at least three fishes.
 
@@ -203,30 +258,52 @@ def schooling(record: Record) -> list[Schooling]:
 
 def _measured(record: Record, school: School) -> Schooling:
     every = max(round(SAMPLE_S / record.tick_s), 1)
-    ticks = np.searchsorted(record.time, school.time[school.cruises.astype(bool)])
-    rows, bearing = [], np.zeros(BEARINGS)
+    cruises = school.cruises.astype(bool)
+    ticks = np.searchsorted(record.time, school.time[cruises])
+    rows, bearing, sector = [], np.zeros(BEARINGS), np.zeros(SECTORS)
     for t in ticks[:: max(round(1.0 / (every * record.tick_s)), 1)]:  # once a second
         those = record.alive[t] & (record.leader[t] == school.leader)
         those[school.leader] = record.alive[t, school.leader]
         members = np.flatnonzero(those & np.isin(record.intention[t], (SCHOOL, AVOID)))
         if len(members) >= 3:
-            rows.append(_shape(record, t, members, bearing))
-    height, room, ahead = np.median(rows, axis=0) if rows else [np.nan] * 3
-    cruising = school.polarisation[school.cruises.astype(bool)]
+            rows.append(_shape(record, t, members, bearing, sector))
+    height, room, ahead, longer, flatter = (
+        (_median(column) for column in zip(*rows, strict=True)) if rows else [np.nan] * 5
+    )
+    order = school.polarisation[cruises]
+    near = school.distances
     return Schooling(
         school.leader,
         int(school.members.max()),
-        float(np.median(cruising)) if len(cruising) else np.nan,
-        float(np.median(school.distances)) if len(school.distances) else np.nan,
-        float(height),
-        float(room),
-        float(ahead),
+        float(np.median(order)) if len(order) else np.nan,
+        float((order < DISORDER).mean()) if len(order) else np.nan,
+        float(np.median(school.rotation[cruises])) if len(order) else np.nan,
+        state_shares(order, school.rotation[cruises]),
+        float(np.median(near)) if len(near) else np.nan,
+        float(np.percentile(near, 5)) if len(near) else np.nan,
+        height,
+        room,
+        ahead,
+        longer,
+        flatter,
         bearing / max(bearing.sum(), 1.0),
+        sector / max(sector.sum(), 1.0),
+        _rhythm(record, school.leader),
         school.time,
         school.together,
         school.calm.astype(bool),
         float(record.time[-1]),
     )
+
+
+def _rhythm(record: Record, leader: int) -> Rhythm:
+    """Measure the rhythm of the fishes of one school while they school without alarm."""
+    followed = (record.leader == leader).any(axis=0)
+    followed[leader] = True
+    those = np.flatnonzero(followed)
+    calm = record.alive[:, those] & (record.intention[:, those] == SCHOOL)
+    calm &= record.mental_state[:, those, FEAR] <= record.alarmed
+    return rhythm(record, those, calm)
 
 
 def joined(parts: Sequence[Schooling]) -> list[Schooling]:
@@ -239,11 +316,14 @@ def joined(parts: Sequence[Schooling]) -> list[Schooling]:
 
 def _joined(parts: Sequence[Schooling]) -> Schooling:
     columns = {name: [getattr(one, name) for one in parts] for name in Schooling._fields}
-    measured = "polarisation", "nearest_bl", "height_bl", "room_bl3", "ahead_bl"
-    joint: dict[str, Any] = {name: _median(columns[name]) for name in measured}
+    joint: dict[str, Any] = {name: _median(columns[name]) for name in MEDIANS}
     joint |= {name: np.concatenate(columns[name]) for name in ("time", "together", "calm")}
-    bearing = np.mean(columns["bearing"], axis=0)
-    return parts[-1]._replace(fishes=max(columns["fishes"]), bearing=bearing, **joint)
+    joint |= {name: np.mean(columns[name], axis=0) for name in ("bearing", "sector")}
+    states = np.array(columns["states"])
+    known = states[np.isfinite(states).all(axis=1)]
+    joint["states"] = known.mean(axis=0) if len(known) else states[-1]
+    joint["rhythm"] = Rhythm(*map(_median, zip(*columns["rhythm"], strict=True)))
+    return parts[-1]._replace(fishes=max(columns["fishes"]), **joint)
 
 
 def _median(values: Sequence[float]) -> float:
@@ -252,8 +332,14 @@ def _median(values: Sequence[float]) -> float:
     return float(np.median(there)) if there else np.nan
 
 
-def _shape(record: Record, t: int, members: Ints, bearing: Array) -> tuple[float, float, float]:
-    """Measure height to the nearest, room per fish, lead of the foremost; adds to `bearing`."""
+def _shape(
+    record: Record, t: int, members: Ints, bearing: Array, sector: Array
+) -> tuple[float, float, float, float, float]:
+    """Measure height to the nearest, room per fish, lead of the foremost, and the school's shape.
+
+    The shape is its length over its width and over its height, NaN for a school without a way.
+    Adds to `bearing` and `sector`.
+    """
     place = record.position[t, members].astype(np.float64)
     length = record.length[members].astype(np.float64)
     ahead = headings(record.orientation[t, members])
@@ -266,10 +352,29 @@ def _shape(record: Record, t: int, members: Ints, bearing: Array) -> tuple[float
     cosine = (toward * ahead).sum(axis=1) / size
     # Solid angle is even in the cosine.
     np.add.at(bearing, np.clip((1.0 - cosine) / 2 * BEARINGS, 0, BEARINGS - 1).astype(int), 1.0)
+    across = ahead[:, 0] * toward[:, 1] - ahead[:, 1] * toward[:, 0]
+    aside = np.arctan2(np.abs(across), (toward * ahead)[:, :2].sum(axis=1)) / np.pi
+    np.add.at(sector, np.clip(aside * SECTORS, 0, SECTORS - 1).astype(int), 1.0)
     height = float(np.median(np.abs(toward[:, 2]) / length))
     spread = np.linalg.det(np.cov((place / length.mean()).T))
     room = 4 / 3 * np.pi * np.sqrt(125.0 * max(spread, 0.0)) / len(members)
     along = np.sort(place @ ahead.mean(axis=0)) / max(
         float(np.linalg.norm(ahead.mean(axis=0))), 0.1
     )
-    return height, float(room), float(along[-1] - along[-2]) / float(length.mean())
+    lead = float(along[-1] - along[-2]) / float(length.mean())
+    return height, float(room), lead, *proportions(place, ahead)
+
+
+def proportions(place: Array, ahead: Array) -> tuple[float, float]:
+    """Measure the length of a school over its width and over its height, by standard deviations.
+
+    Length is along the mean heading seen from above. `place` and `ahead` are (m, 3). NaN where
+    the headings have no common direction.
+    """
+    way = ahead[:, :2].mean(axis=0)
+    order = float(np.linalg.norm(way))
+    if order < FILED:
+        return np.nan, np.nan
+    along, across = place[:, :2] @ way / order, place[:, :2] @ [-way[1], way[0]] / order
+    length = float(along.std())
+    return length / max(float(across.std()), 1e-6), length / max(float(place[:, 2].std()), 1e-6)

@@ -28,12 +28,16 @@ from subsea.fish.measured import (
     published,
 )
 from subsea.fish.species import load_species, shipped_species
+from subsea.habitat.day import hour_at
 from subsea.jobs.workers import Check, Pool
-from subsea.lab import measures, schooling, swimming
+from subsea.lab import measures, minds, schooling, swimming, whereabouts
 from subsea.lab.measures import Outside, Predation
+from subsea.lab.mind_findings import budget_lines, budgets, mind_findings
+from subsea.lab.minds import MindMeasures
 from subsea.lab.schooling import BEARINGS, Schooling
 from subsea.lab.simulate import live_records
 from subsea.lab.swimming import Counts, Swimming, joined
+from subsea.lab.whereabouts import Whereabouts
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario, scenario_names
@@ -45,8 +49,10 @@ HUNT, GROUP_SIZES = "preying", (1, 6, 20)
 BLOCK_FISH_TICKS = 3_000_000  # measured at once: about 300 MB
 MOST_SAMPLES = 5000  # kept of one run, species and quantity
 AIM = "project_aims"
+STATES = "tunstrom_2013"  # defines the states of a school
 PITCHED, STRAIGHT, IDLE, HOVERING = 0.05, 0.10, 0.10, 0.01  # greatest shares
 SLOW_STROUHAL = 0.45  # of a trout at 0.5 L/s (drucker_2005); seas have slow fishes
+SHALLOW = 0.05  # greatest share of the time near the surface, of a species that keeps to the ground
 CATCHES = 1.0, 4.0  # mean of each predator in three minutes
 TIGHTEST = 1  # percentile of radii: measured are least radii, not those of every turn
 HASTY = 99  # percentile of speeds in flights and hunts, and of accelerations
@@ -74,6 +80,8 @@ class SeaMeasures(NamedTuple):
     schools: list[Schooling]
     outside: list[Outside]
     predation: Predation
+    minds: MindMeasures | None = None
+    places: Mapping[str, Whereabouts] = {}  # by name of the species' file
 
 
 def default_scenarios() -> list[str]:
@@ -129,14 +137,28 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
     schools: list[Schooling] = []
     beyond: list[Outside] = []
     hunts: list[Predation] = []
+    thoughts: list[MindMeasures] = []
+    places: dict[str, list[Whereabouts]] = {}
+    water = world.scenario.water
     for record in live_records(world, trial.ticks, BLOCK_FISH_TICKS):
         for name, found in swimming.swimming(record, slowest).items():
             swims.setdefault(keys.get(name, name), []).append(found)
         schools += schooling.schooling(record)
         beyond += measures.outside(record)
         hunts.append(measures.predation(record))
+        hours = [hour_at(water.hour, water.day_minutes, float(second)) for second in record.time]
+        thoughts.append(minds.mind_measures(record, np.array(hours)))
+        for name, place in whereabouts.whereabouts(record).items():
+            places.setdefault(keys.get(name, name), []).append(place)
     thinned = {name: _thinned(swimming.joined(parts)) for name, parts in swims.items()}
-    return SeaMeasures(thinned, schooling.joined(schools), beyond, measures.joined(hunts))
+    return SeaMeasures(
+        thinned,
+        schooling.joined(schools),
+        beyond,
+        measures.joined(hunts),
+        minds.joined(thoughts),
+        {name: whereabouts.joined(parts) for name, parts in places.items()},
+    )
 
 
 def slowest_strokes(world: World) -> Array:
@@ -183,24 +205,34 @@ class Summary(NamedTuple):
     schools: dict[str, list[Schooling]]  # by label
     hunts: dict[int, tuple[int, int]]  # attacks and captures by size of the group
     catches: dict[str, list[float]]  # of each predator, by label
+    minds: dict[str, MindMeasures]  # by label
+    places: dict[str, Whereabouts]
 
 
 def summarise(done: Done) -> Summary:
     """Join the measures of all trials."""
     swims: dict[str, list[Swimming]] = {}
-    found = Summary({}, {}, {}, {})
-    for trial, (swim, schools, _, hunt) in done:
+    thoughts: dict[str, list[MindMeasures]] = {}
+    places: dict[str, list[Whereabouts]] = {}
+    found = Summary({}, {}, {}, {}, {}, {})
+    for trial, (swim, schools, _, hunt, mind, where) in done:
         if trial.hunt:
             attacks, captures = found.hunts.get(trial.size, (0, 0))
             found.hunts[trial.size] = attacks + hunt.attacks, captures + hunt.captures
             continue
         for name, one in swim.items():
             swims.setdefault(name, []).append(one)
+        for name, place in where.items():
+            places.setdefault(name, []).append(place)
+        if mind:
+            thoughts.setdefault(trial.label, []).append(mind)
         if schools:
             found.schools.setdefault(trial.label, []).extend(schools)
         if hunt.catches:
             found.catches.setdefault(trial.label, []).extend(hunt.rates())
     found.swims.update({name: joined(swims[name]) for name in sorted(swims)})
+    found.minds.update({label: minds.joined(parts) for label, parts in thoughts.items()})
+    found.places.update({name: whereabouts.joined(places[name]) for name in sorted(places)})
     return found
 
 
@@ -215,7 +247,11 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     ]
     for label, schools in found.schools.items():
         rows.extend(_schooling(label, schools, table))
+    for name, place in found.places.items():
+        rows.extend(_places(name, place, table))
     rows.extend(_hunting(found, table))
+    for label, mind in found.minds.items():
+        rows.extend(mind_findings(label, mind, table))
     rows.extend(_bounds(done))
     return rows
 
@@ -264,17 +300,35 @@ def _schooling(
     label: str, schools: Sequence[Schooling], table: MeasuredSwimming
 ) -> Iterator[RangeCheck]:
     facts, row = table.schools, partial(published, label)
-    order, near, room, height, ahead = (
-        np.array([getattr(one, name) for one in schools], np.float64)
-        for name in ("polarisation", "nearest_bl", "room_bl3", "height_bl", "ahead_bl")
-    )
-    yield row("polarisation", _at(order), "", facts.polarisation, f"{len(schools)} schools")
-    yield row("nearest neighbour", _at(near), " L", facts.nearest)
-    yield row("room for each fish", _at(room), " L³", facts.room)
+
+    def median(name: str) -> float:
+        return _at(np.array([getattr(one, name) for one in schools], np.float64))
+
+    yield row("polarisation", median("polarisation"), "", facts.polarisation,
+              f"{len(schools)} schools")  # fmt: skip
+    yield row("time with a polarisation below 0.5", median("disorder"), "", facts.disorder)
+    yield RangeCheck(label, "order of rotation", median("rotation"), source=STATES)
+    states = np.array([one.states for one in schools])
+    for k, name in enumerate(("polarised", "milling", "as a swarm")):
+        yield RangeCheck(label, f"time {name}", _mean(states[:, k]), source=STATES)
+    yield row("nearest neighbour", median("nearest_bl"), " L", facts.nearest)
+    yield row("nearest neighbour, 5%", median("near_bl"), " L", facts.near)
+    yield row("nearest at 45° and 135° over that at 90°", median("oblique"), "", facts.oblique)
+    near, height = (np.array([getattr(one, name) for one in schools]) for name in
+                    ("nearest_bl", "height_bl"))  # fmt: skip
     angle = np.degrees(np.arcsin(np.clip(height / near, 0.0, 1.0)))
     yield row("elevation of the nearest", _at(angle), "°", facts.elevation)
+    yield row("room for each fish", median("room_bl3"), " L³", facts.room)
+    yield row("length over width", median("longer"), "", facts.longer)
+    yield row("length over height", median("flatter"), "", facts.flatter)
     lead = "lead of the foremost over the second"
-    yield RangeCheck(label, lead, _at(ahead), " L", 0.0, 1.0, AIM)
+    yield RangeCheck(label, lead, median("ahead_bl"), " L", 0.0, 1.0, AIM)
+    variation, slow, gliding = (
+        _at(np.array(values)) for values in zip(*(one.rhythm for one in schools), strict=True)
+    )
+    yield row("variation of a fish's speed", variation, "", facts.variation)
+    yield row("time below half of the own median speed", slow, "", facts.slow)
+    yield row("time gliding", gliding, "", facts.gliding)
     for name, all_parts in (
         ("longest split", [one.split_s for one in schools]),
         ("longest split without alarm", [one.calm_split_s for one in schools]),
@@ -282,6 +336,13 @@ def _schooling(
         parts = np.concatenate(all_parts)
         longest = float(parts.max()) if len(parts) else 0.0
         yield row(name, longest, " s", facts.split, f"{len(parts)} splits")
+
+
+def _places(name: str, place: Whereabouts, table: MeasuredSwimming) -> Iterator[RangeCheck]:
+    facts = table.species.get(name)
+    if facts and facts.height:
+        yield published(name, "height over the ground", _at(place.height_bl), " L", facts.height)
+        yield _share(name, "time near the surface", place.shallow, SHALLOW)
 
 
 def _hunting(found: Summary, table: MeasuredSwimming) -> Iterator[RangeCheck]:
@@ -330,6 +391,12 @@ def _at(values: Array, percentile: float = 50) -> float:
     return float(np.percentile(there, percentile)) if len(there) else NAN
 
 
+def _mean(values: Array) -> float:
+    """Compute the mean of the numbers among the values; NaN without any."""
+    there = values[np.isfinite(values)]
+    return float(there.mean()) if len(there) else NAN
+
+
 def samples(found: Summary) -> Mapping[str, object]:
     """Collect numbers beside the findings, for JSON."""
     return {
@@ -338,6 +405,7 @@ def samples(found: Summary) -> Mapping[str, object]:
             for label, schools in found.schools.items()
         },
         "catches": found.catches,
+        "time_budgets": budgets(found.minds),
     }
 
 
@@ -432,6 +500,7 @@ def validate(jobs: Sequence[SeaTrial], files: ReportFiles, pool: Pool[int], chec
         findings(done, table),
         table.sources,
         extent=f"Seeds {seed_words(seeds)}, {seconds:.0f} s each.",
+        below=budget_lines(found.minds),
         more={"seeds": seeds, "seconds": round(seconds, 3), **samples(found)},
         plots={
             name: partial(draw, found=found, table=table) for name, draw in VALIDATION_PLOTS.items()

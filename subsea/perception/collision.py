@@ -11,6 +11,7 @@ from subsea.geometry.solids import (
     NEVER,
     from_pillar,
     from_rock,
+    height_at,
     ray_meets_pillar,
     ray_meets_rock,
     ray_meets_seabed,
@@ -301,56 +302,51 @@ def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> b
 
 @kernel
 def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature) -> None:
-    """Set `minds.barrier` of the fishes `who`: the first obstacle that a ray ahead meets.
+    """Set `minds.barrier` of the fishes `who`: the nearest obstacle that a ray ahead meets.
 
-    A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body.
+    A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body. A flat body
+    enlarges seabed and surface by 1.5 times its height.
     """
     for i in who:
         antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
-        minds.barrier[i] = met_first(fishes, i, sea, held * antenna)
+        minds.barrier[i] = nearest_barrier(fishes, i, sea, held * antenna)
 
 
 @kernel
-def met_first(fishes: Fishes, i: int, sea: Sea, antenna: float) -> int:
-    """The first obstacle that a ray of `antenna` cm ahead of fish i meets, or -1.
+def nearest_barrier(fishes: Fishes, i: int, sea: Sea, antenna: float) -> int:
+    """The obstacle that a ray of `antenna` cm ahead of fish i meets, or -1.
 
-    An obstacle within the berth of the fish counts only if the fish heads for it.
+    Of several it is the one whose boundary is nearest to the eye (Tu §6.6.1). An obstacle within
+    the berth of the fish counts only if the fish heads for it.
     """
     berth = BERTH_WIDTHS * float(fishes.girth[i, 1])
+    level = BERTH_WIDTHS * float(min(fishes.girth[i, 0], fishes.girth[i, 1]))
     eye, ahead = eye_of(fishes, i), ahead_of(fishes, i)
     tip = plus(eye, times(antenna, ahead))
     found, nearest = -1, NEVER
     for k in range(len(sea.pillars)):
         t = ray_meets_pillar(sea.pillars[k], berth, eye, tip)
-        if t < nearest and (t > 0.0 or dot(from_pillar(sea.pillars[k], eye)[0], ahead) < 0.0):
-            found, nearest = k, t
+        if t < NEVER:
+            normal, gap = from_pillar(sea.pillars[k], eye)
+            if gap < nearest and (t > 0.0 or dot(normal, ahead) < 0.0):
+                found, nearest = k, gap
     for k in range(len(sea.rocks)):
         t = ray_meets_rock(sea.rocks[k], berth, eye, tip)
-        if t < nearest and (t > 0.0 or dot(from_rock(sea.rocks[k], eye)[0], ahead) < 0.0):
-            found, nearest = len(sea.pillars) + k, t
-    if tip[2] > -berth and ahead[2] > 0.0:
-        t = max((-berth - eye[2]) / (tip[2] - eye[2]), 0.0)
-        if t < nearest:
-            found, nearest = SURFACE, t
+        if t < NEVER:
+            normal, gap = from_rock(sea.rocks[k], eye)
+            if gap < nearest and (t > 0.0 or dot(normal, ahead) < 0.0):
+                found, nearest = len(sea.pillars) + k, gap
+    if tip[2] > -level and ahead[2] > 0.0 and -eye[2] < nearest:
+        found, nearest = SURFACE, -eye[2]
     edge = sea.radius - berth
     outward = tip[0] * ahead[0] + tip[1] * ahead[1]
     if tip[0] * tip[0] + tip[1] * tip[1] > edge * edge and outward > 0.0:
-        t = _leaves_circle(eye, tip, edge)
-        if t < nearest:
-            found, nearest = WALL, t
-    t = ray_meets_seabed(sea.floor, sea.half_width, berth, eye, tip)
-    if t < nearest and (t > 0.0 or ahead[2] < 0.0):
+        gap = sea.radius - math.sqrt(eye[0] * eye[0] + eye[1] * eye[1])
+        if gap < nearest:
+            found, nearest = WALL, gap
+    t = ray_meets_seabed(sea.floor, sea.half_width, level, eye, tip)
+    above = eye[2] - height_at(sea.floor, sea.half_width, eye[0], eye[1])
+    if t < NEVER and above < nearest and (t > 0.0 or ahead[2] < 0.0):
         found = SEABED
     return found
-
-
-@kernel
-def _leaves_circle(a: Vector, b: Vector, radius: float) -> float:
-    """The t at which a + t (b - a) leaves the upright cylinder about the world's axis, or 0."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    along, square = a[0] * dx + a[1] * dy, dx * dx + dy * dy
-    inside = radius * radius - a[0] * a[0] - a[1] * a[1]
-    if inside <= 0.0:
-        return 0.0
-    return (math.sqrt(along * along + square * inside) - along) / square

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from subsea.base.arrays import Ints
+from subsea.base.arrays import Array, Ints
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
@@ -29,7 +30,8 @@ def perceive_plankton(
     """Set the food of the plankton eaters among the fishes `who` from the specks of `grid`.
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
-    is the larger, smell alone decides.
+    is the larger, smell alone decides. A fish that keeps to the ground minds only specks that are
+    no higher than it cruises.
     """
     gaps = np.empty(minds.foods.shape[1])
     for i in who:
@@ -37,8 +39,25 @@ def perceive_plankton(
             mouth = eye_of(fishes, i)
             guess = farthest(sea.plankton, mouth, minds.foods[i])
             nearest(grid, mouth, nature.smell_cm, -1, minds.foods[i], gaps, guess)
+            if minds.cruise_height[i, 1] < np.inf:
+                _forget_high(minds, i, sea, gaps)
             minds.food[i] = minds.foods[i, 0]
             minds.food_distance[i] = gaps[0]
+
+
+@kernel
+def _forget_high(minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
+    """Remove specks from the food of fish i, and their `gaps`, that are higher than it cruises."""
+    kept, foods = 0, minds.foods[i]
+    for k in range(len(foods)):
+        if foods[k] < 0:
+            continue
+        x, y, z = vector(sea.plankton[foods[k]])
+        if z - height_at(sea.floor, sea.half_width, x, y) <= minds.cruise_height[i, 1]:
+            foods[kept], gaps[kept] = foods[k], gaps[k]
+            kept += 1
+    foods[kept:] = -1
+    gaps[kept:] = np.inf
 
 
 @kernel

@@ -187,6 +187,9 @@ class Minds(NamedTuple):
 
     home: Annotated[F32, creation("n", 3, unit="cm"), "place that it keeps to, as an anemone"]
     home_range: Annotated[F32, creation("n", unit="cm", start=NEVER), "how far it goes from there"]
+    cruise_height: Annotated[
+        F32, creation("n", 2, unit="cm", start=NEVER), "lowest and highest cruise over the ground"
+    ]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
@@ -298,6 +301,10 @@ class Sea(NamedTuple):
     plankton: Annotated[F32, habitat("p", 3, unit="cm"), "places of specks"]
     absent: Annotated[F32, water("p", unit="s"), "time until an eaten speck is back"]
     seaweed: Annotated[F32, habitat("c", 6, unit="cm"), "bounding box of each cluster: low, high"]
+
+    sky: Annotated[
+        F64, habitat(2, start=(12.0, 1.0)), "hour of the day in [0, 24); daylight, 0 at night to 1"
+    ]
 
     submarine: Annotated[F64, written_by("world")(9), "cm, cm/s, unit vector ahead"]
 

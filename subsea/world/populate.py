@@ -46,6 +46,8 @@ def populate(world: World, rng: np.random.Generator) -> None:
         minds.schools[these], minds.led[these] = schooling, shoal.is_led
         fishes.burst[these] = burst_speed(library, kind)
         fishes.ram[these] = species[shoal.species].least_speed
+        if heights := species[shoal.species].cruise_height:
+            minds.cruise_height[these] = fishes.length[these, None] * np.array(heights)
         places = _places(shoal, number, bool(schooling), scenario, rng)
         if shoal.leader_cm and shoal.position_cm:
             places[:1] = shoal.position_cm

@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 
 from subsea.behavior import avoiding
-from subsea.state import AVOID, LEFT, PACIFIST, PREDATOR, PREY, RIGHT, SCHOOL
+from subsea.state import (
+    AVOID,
+    LEFT,
+    PACIFIST,
+    PREDATOR,
+    PREY,
+    RIGHT,
+    SCHOOL,
+    SEABED,
+    SURFACE,
+    WALL,
+)
 
 
 def test_danger_is_all_or_nothing(tank):
@@ -31,12 +42,58 @@ def test_a_fish_turns_away_from_one_that_is_aside_and_lets_it_pass(tank, side):
 @pytest.mark.parametrize(("preferred", "sign"), [(LEFT, 1), (RIGHT, -1)])
 def test_straight_ahead_the_motor_preferences_decide(tank, preferred, sign):
     for what in ("threat", "barrier"):
-        t = tank(2)
+        t = tank(2, pillars=[(900.0, 0.0, 10.0, 0.0), (30.0, 0.0, 10.0, 0.0)])
         t.fishes.position[1] = 15.0, 0.0, -300.0
         getattr(t.minds, what)[0] = 1
         t.minds.preference[0, preferred] = 0.5
         t.run(avoiding.act, 0)
         assert np.sign(t.minds.urge[0, 1]) == sign
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_fish_passes_a_solid_on_the_side_on_which_it_is(tank, side):
+    t = tank(2, pillars=[(30.0, 5.0 * side, 10.0, 0.0)], rocks=[(30, 5 * side, -300, 9, 9, 9, 0)])
+    t.minds.barrier[:], t.minds.preference[:, LEFT] = (0, 1), 0.1 * side
+    t.run(avoiding.act)
+    assert np.sign(t.minds.urge[:, 1]).tolist() == [-side, -side]
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_fish_turns_inward_from_the_wall(tank, side):
+    t = tank()
+    t.fishes.position[0] = 900.0, 300.0 * side, -300.0
+    t.minds.barrier[0] = WALL
+    t.run(avoiding.act)
+    assert np.sign(t.minds.urge[0, 1]) == -side
+
+
+@pytest.mark.parametrize(("barrier", "sign"), [(SEABED, 1), (SURFACE, -1)])
+def test_a_fish_climbs_from_the_seabed_and_dives_from_the_surface(tank, barrier, sign):
+    t = tank()
+    t.minds.barrier[0] = barrier
+    t.run(avoiding.act)
+    assert np.sign(t.minds.urge[0, 2]) == sign
+    assert t.minds.urge[0, 1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_where_both_sides_are_equal_chance_decides_once_for_each_encounter(tank):
+    """An encounter has one side in all its ticks; one that begins later has its own."""
+    n = 200
+
+    def sides(tick, began=40, seed=1, other=n):
+        t = tank(n + 2, seed=seed).at(tick)
+        t.fishes.position[n:] = 15.0, 0.0, -300.0
+        t.minds.threat[:n] = other
+        t.minds.busy[:n] = (tick - began) * t.clock.dt
+        t.run(avoiding.act, *range(n))
+        return np.sign(t.minds.urge[:n, 1])
+
+    first = sides(40)
+    assert 0.35 < (first > 0).mean() < 0.65
+    for tick in (41, 47, 60, 3000):
+        assert (sides(tick) == first).all()
+    for others in (sides(40, seed=2), sides(41, began=41), sides(40, other=n + 1)):
+        assert 0.3 < (others == first).mean() < 0.7
 
 
 def test_a_hunter_yields_to_no_prey(tank):
@@ -46,6 +103,13 @@ def test_a_hunter_yields_to_no_prey(tank):
     assert one.desire(avoiding.desire).tolist() == [0, 1]
     one.minds.kind[1] = PACIFIST
     assert one.desire(avoiding.desire).tolist() == [1, 1]
+
+
+@pytest.mark.parametrize(("length", "yields"), [(3.9, [0, 1]), (4.1, [1, 1])])
+def test_a_large_fish_yields_to_no_small_one(tank, length, yields):
+    t = tank(2)
+    t.minds.threat[:], t.fishes.length[1] = (1, 0), length
+    assert t.desire(avoiding.desire).tolist() == yields
 
 
 def test_prey_in_panic_minds_its_predator_alone(tank):

@@ -4,6 +4,8 @@ import numpy as np
 
 from subsea.behavior import wandering
 from subsea.behavior.steering import ease_goals
+from subsea.geometry.rotation import from_matrix
+from subsea.world.world import TICK_S
 from tests.support.scenes import everyone
 
 
@@ -110,3 +112,70 @@ def test_a_fish_with_a_home_wanders_near_it(tank):
     assert t.minds.waypoint[:, 2].min() >= -600 + wandering.HOME_FLOOR_CM
     assert wandering.is_at_home(t.minds, 0, tuple(t.minds.waypoint[0].astype(float)))
     assert not wandering.is_at_home(t.minds, 0, (0.0, 0.0, -560.0))
+
+
+def swims(t, ticks, speed=4.0):
+    """Paths (ticks, n, 3) of fishes that follow their goals, `speed` cm a tick."""
+    paths = []
+    for tick in range(ticks):
+        now = t.at(tick)
+        now.run(wandering.act)
+        ease_goals(everyone(now.fishes), now.fishes, now.minds, now.clock)
+        x = now.fishes.goal_direction.astype(float)
+        right = np.cross(x, (0.0, 0.0, 1.0))
+        right /= np.linalg.norm(right, axis=1)[:, None]
+        turns = np.stack([x, np.cross(right, x), right], axis=2)
+        now.fishes.orientation[:] = [from_matrix(turn) for turn in turns]
+        now.fishes.position[:] += np.float32(speed * x)
+        paths.append(now.fishes.position.copy())
+    return np.array(paths)
+
+
+def test_a_fish_that_keeps_to_the_ground_follows_it_in_its_range_of_heights(tank):
+    """The ground rises to the east by 1 in 10 and the fishes begin far above it."""
+    t = tank(8)
+    slope = np.linspace(-600.0, -400.0, t.sea.floor.shape[1], dtype=np.float32)
+    ground = np.tile(slope, (len(slope), 1))
+    t = t._replace(sea=t.sea._replace(floor=ground, heights=ground))
+    t.minds.cruise_height[:] = 60.0, 120.0
+    t.fishes.position[:, 2] = -200.0
+    paths = swims(t, 900)
+    places = np.linspace(-t.sea.half_width, t.sea.half_width, len(slope))
+    height = (paths[..., 2] - np.interp(paths[..., 0], places, slope))[300:]
+    assert np.percentile(height, 5) > 45.0
+    assert np.percentile(height, 95) < 135.0
+    # The ease of the goal, at 4 per s, follows a turn of at most 30 degrees.
+    course = np.unwrap(np.arctan2(*np.diff(paths, axis=0)[..., 1::-1].transpose(2, 0, 1)), axis=0)
+    most = np.degrees(np.abs(np.diff(course, axis=0))).max()
+    assert most < 30.0 * 4.0 * TICK_S + 0.5
+
+
+def test_the_waypoints_of_such_a_fish_lie_ahead_of_it(tank):
+    t = tank(300)
+    t.minds.cruise_height[:], t.minds.patience[:] = (60.0, 120.0), 0.0
+    t.run(wandering.act)
+    way = t.minds.waypoint - t.fishes.position
+    assert (way[:, 0] / np.linalg.norm(way, axis=1) > wandering.AHEAD_COS - 0.1).all()
+    height = t.minds.waypoint[:, 2] + 600.0
+    assert 74.0 <= height.min() < 80.0
+    assert 110.0 < height.max() <= 121.0
+
+
+def test_a_fish_on_an_errand_leaves_the_ground(tank):
+    t = tank()
+    t.minds.cruise_height[:], t.minds.errand[:] = (60.0, 120.0), 0.5
+    t.minds.waypoint[:] = 0.0, 300.0, -100.0
+    t.run(wandering.act)
+    assert t.minds.urge[0, 1] > 0.5
+    assert t.minds.urge[0, 2] > 0.3
+
+
+def test_long_fishes_keep_their_waypoints_off_the_wall(tank):
+    far = []
+    for length in (20.0, 200.0):
+        t = tank(300)
+        t.fishes.length[:], t.minds.patience[:] = length, 0.0
+        t.run(wandering.act)
+        far.append(np.hypot(*t.minds.waypoint[:, :2].T).max())
+    assert far[0] > 0.75 * t.sea.radius
+    assert far[1] <= t.sea.radius - wandering.BERTH_BL * 200.0 + 1.0

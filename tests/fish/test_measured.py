@@ -23,13 +23,14 @@ def test_every_shipped_species_has_sourced_speeds_in_order():
             value = getattr(facts, key)
             if isinstance(value, MeasuredRange):
                 assert value.of not in ("", species.scientific_name), f"{name}: {ITSELF}"
-    assert not set(table.sources) - used(table) - {"borazjani_2008", "lighthill_1971"}
+    elsewhere = {"borazjani_2008", "lighthill_1971", "tunstrom_2013"}
+    assert not set(table.sources) - used(table) - elsewhere
 
 
 def used(table):
     """The sources that ranges name."""
     groups = [*table.species.values(), table.posture, table.coasting, table.schools]
-    groups.append(table.predation)
+    groups += [table.predation, table.minds, table.budget]
     values = [getattr(group, key) for group in groups for key in group.__struct_fields__]
     return {value.source for value in values if isinstance(value, MeasuredRange)}
 

@@ -6,11 +6,15 @@ import pytest
 from subsea.lab.schooling import (
     BEARINGS,
     LINK_BL,
+    SECTORS,
     joined,
+    proportions,
+    rotation_order,
     schooling,
     schools,
     split_periods,
     splits,
+    state_shares,
 )
 from subsea.state import EAT, FEAR, SCHOOL, WANDER
 from tests.support.records import EAST, LENGTH, NORTH, a_record, row
@@ -147,6 +151,72 @@ def test_files_have_their_neighbours_ahead_and_behind():
     assert found.split_s.shape == (0,)
 
 
+def ring(n=12):
+    """Places (n, 3) on a circle and headings (n, 3) along it, to the left."""
+    angle = np.linspace(0.0, 2 * np.pi, n, endpoint=False)
+    out = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    return 100.0 * out, np.stack([-out[:, 1], out[:, 0], 0 * angle], axis=1)
+
+
+def test_a_mill_rotates_and_a_file_does_not():
+    place, along = ring()
+    assert rotation_order(place, along) == pytest.approx(1.0)
+    assert rotation_order(place, -along) == pytest.approx(1.0)
+    assert rotation_order(place, np.tile([1.0, 0, 0], (12, 1))) == pytest.approx(0.0, abs=1e-9)
+    assert rotation_order(place, place / 100.0) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_states_are_told_by_both_orders():
+    polarisation = np.array([0.9, 0.9, 0.1, 0.2, 0.5, 0.9])
+    rotation = np.array([0.1, 0.2, 0.9, 0.1, 0.5, 0.5])
+    assert state_shares(polarisation, rotation) == pytest.approx([2 / 6, 1 / 6, 1 / 6])
+    assert np.isnan(state_shares(np.zeros(0), np.zeros(0))).all()
+
+
+def test_a_school_of_fishes_on_a_circle_mills():
+    place, along = ring()
+    half = 0.5 * np.arctan2(along[:, 1], along[:, 0])
+    # EAST turned to the left about the vertical.
+    turns = 0.5**0.5 * np.stack([np.cos(half), np.cos(half), np.sin(half), np.sin(half)], axis=1)
+    record = still_school(place / LENGTH)._replace(
+        orientation=np.broadcast_to(np.float32(turns), (31, 12, 4))
+    )
+    (found,) = schooling(record)
+    assert found.rotation == pytest.approx(1.0, abs=1e-5)
+    assert found.polarisation == pytest.approx(0.0, abs=1e-5)
+    assert found.states == pytest.approx([0.0, 1.0, 0.0])
+    assert found.disorder == 1.0
+    assert np.isnan(found.longer)
+
+
+def test_proportions_are_along_the_way():
+    rng = np.random.default_rng(4)
+    place = rng.normal(size=(4000, 3)) * (30.0, 10.0, 5.0)
+    east, north = np.tile([1.0, 0, 0], (4000, 1)), np.tile([0, 1.0, 0], (4000, 1))
+    assert proportions(place, east) == pytest.approx((3.0, 6.0), rel=0.05)
+    assert proportions(place, north) == pytest.approx((1 / 3, 2.0), rel=0.05)
+
+
+def test_bearings_from_above_are_even_for_fishes_at_random():
+    rng = np.random.default_rng(5)
+    ball = rng.uniform(-8, 8, (1500, 3))
+    (found,) = schooling(still_school(ball, ticks=3))
+    assert found.sector.sum() == pytest.approx(1.0)
+    assert found.oblique == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize(("bearing", "oblique"), [(45.0, True), (135.0, True), (90.0, False)])
+def test_neighbours_aside_and_obliquely_are_told_apart(bearing, oblique):
+    """Pairs of which the nearest is at that bearing, and so at its supplement for the other."""
+    angle = np.radians(bearing)
+    pairs = np.array([[20.0 * k, 0.0, 0.0] for k in range(5)])
+    places = np.vstack([pairs, pairs + (np.cos(angle), np.sin(angle), 0.0)])
+    (found,) = schooling(still_school(places, ticks=3))
+    assert len(found.sector) == SECTORS
+    assert (found.oblique > 1e3) if oblique else (found.oblique == 0.0)
+    assert found.near_bl == pytest.approx(1.0, rel=1e-4)
+
+
 def test_a_split_may_last_from_one_part_of_a_record_to_the_next():
     """Two recorded parts, with the school in halves from the end of one into the other."""
     (whole,) = schooling(still_school(np.eye(4, 3)))
@@ -161,4 +231,5 @@ def test_a_split_may_last_from_one_part_of_a_record_to_the_next():
     assert found.split_s.tolist() == [5.0]
     assert found.calm_split_s.tolist() == [1.5]
     assert (found.fishes, found.polarisation) == (5, 0.9)
+    assert found.states == pytest.approx(whole.states)
     assert [one.leader for one in joined([*parts, whole._replace(leader=9)])] == [whole.leader, 9]

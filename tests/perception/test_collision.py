@@ -12,7 +12,7 @@ from subsea.perception.collision import (
     crowds_of,
     find_barriers,
     find_threats,
-    met_first,
+    nearest_barrier,
     share_inside,
 )
 from subsea.perception.vision import along_body
@@ -224,11 +224,30 @@ def test_the_nearer_boundary_counts(tank):
     assert _barrier(t) == 1
 
 
+def test_the_boundary_nearest_to_the_eye_counts_though_the_ray_meets_another_first(tank):
+    """A pillar whose flank the ray grazes late is nearer than the one that it meets first."""
+    pillars = [(46, 0, 10, -100), (36, 21, 19, -100)]
+    assert _barrier(tank(pillars=pillars[:1])) == 0
+    assert _barrier(tank(pillars=pillars[1:])) == 0
+    eye = np.array([7.0, 0.0])
+    gaps = [np.linalg.norm(eye - pillar[:2]) - pillar[2] for pillar in pillars]
+    assert gaps[1] < gaps[0]
+    assert _barrier(tank(pillars=pillars)) == 1
+
+
+@pytest.mark.parametrize(("girth", "found"), [((2.0, 20.0), -1), ((20.0, 20.0), SEABED)])
+def test_a_flat_body_needs_less_room_above_the_seabed(tank, girth, found):
+    t = tank()
+    t.fishes.position[0], t.fishes.girth[0] = (0.0, 0.0, -580.0), girth
+    t.fishes.orientation[0] = _heading((0.98, 0.0, -0.2))
+    assert _barrier(t) == found
+
+
 def test_an_antenna_is_as_long_as_asked(tank):
     t = tank(pillars=[(60, 0, 10, -100)])  # 40 cm before the eye, with the berth
     bodies, scene = t.fishes, t.sea
-    assert met_first(bodies, 0, scene, 39.9) == -1
-    assert met_first(bodies, 0, scene, 40.1) == 0
+    assert nearest_barrier(bodies, 0, scene, 39.9) == -1
+    assert nearest_barrier(bodies, 0, scene, 40.1) == 0
     t.minds.barrier[0] = -1
     assert _barrier(t) == -1
     t.minds.intention[0], t.minds.barrier[0] = AVOID, 0

@@ -72,6 +72,21 @@ def test_the_nearest_specks_are_smelled_even_behind_and_out_of_sight(tank):
     assert t.minds.food_distance[0] == np.inf
 
 
+def test_a_fish_that_keeps_to_the_ground_minds_only_low_specks(tank):
+    """The ground is 300 cm below it; it cruises at most 250 cm above the ground."""
+    t = tank(2, specks=3)
+    t.sea.plankton[:] = EYE + np.array([[10, 0, 0], [0, 0, -60.0], [40, 0, 0]])
+    t.minds.cruise_height[0] = 100.0, 250.0
+    t.run(sense)
+    assert t.minds.foods[0].tolist() == [1, -1, -1]
+    assert (t.minds.food[0], t.minds.food_distance[0]) == (1, pytest.approx(60.0))
+    assert t.minds.foods[1].tolist() == [0, 2, 1]
+    t.sea.plankton[1] = EYE
+    t.run(sense)
+    assert t.minds.food[0] == -1
+    assert t.minds.food_distance[0] == np.inf
+
+
 def _crowd(tank, seed, kinds):
     """Fishes of several kinds and sizes, and a pillar that hides some from others."""
     rng = np.random.default_rng(seed)
