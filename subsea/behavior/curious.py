@@ -8,11 +8,13 @@ from subsea.behavior.wandering import is_at_home
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import PACIFIST, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.feelings import feeling_for
 
 CURIOUS = 7  # row of curiosity in `table.py` and in `minds.fatigue`
 
 INTEREST = 0.6
+FOND = 0.2  # liking for the submarine with which any fish comes to it
 SATED_S = (25.0, 40.0)  # how long a fish watches, by its identity
 FORGETS = 0.4  # s of watching forgotten per second: a minute or more until the next look
 FRESH_S = 2.0
@@ -27,7 +29,10 @@ WATCHES, BACKS_OFF = 0.05, -0.4  # shares of the fastest speed
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Interest of pacifists that see the submarine and have not watched it enough lately."""
+    """Interest of pacifists that see the submarine and have not watched it enough lately.
+
+    Timid ones come only when it is near; any fish comes that likes it.
+    """
     hull = vector(sea.submarine[:3])
     for i in who:
         looks = minds.intention[i] == CURIOUS
@@ -39,8 +44,11 @@ def desire(
             minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
         toward = minus(hull, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
-        drawn = minds.kind[i] == PACIFIST and seen < enough and is_at_home(minds, i, hull)
-        out[i] = INTEREST if drawn and _sees(toward, ahead, nature.curiosity_cm) else 0.0
+        liking = feeling_for(minds, i, SUBMARINE)
+        drawn = minds.kind[i] == PACIFIST or liking > FOND
+        drawn = drawn and seen < enough and is_at_home(minds, i, hull)
+        reach = nature.curiosity_cm * (1.0 + liking) / float(minds.timidity[i])
+        out[i] = INTEREST if drawn and _sees(toward, ahead, reach) else 0.0
 
 
 @kernel

@@ -146,9 +146,15 @@ class SensitivityRegion(NamedTuple):
 
 
 @kernel
+def caution(minds: Minds, i: int, nature: Nature) -> float:
+    """Factor on the sizes of all that fish i uses to foresee collisions (Tu §6.6.1)."""
+    return ENLARGED * nature.timidity * float(minds.timidity[i])
+
+
+@kernel
 def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
     """The region of fish i, by what it intends."""
-    scale = ENLARGED * nature.timidity
+    scale = caution(minds, i, nature)
     intention = minds.intention[i]
     interrupted = minds.memory[i] if intention == AVOID else intention
     margin, foresight, welcome = MARGIN_BL, FORESIGHT_S, int(NOBODY)
@@ -306,7 +312,7 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
     A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body.
     """
     for i in who:
-        antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
+        antenna = caution(minds, i, nature) * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
         minds.barrier[i] = met_first(fishes, i, sea, held * antenna)
 
