@@ -82,6 +82,18 @@ def focus(world: World, fish: int) -> Focus:
     return NOTHING, None
 
 
+def feelings(world: World, fish: int) -> list[str]:
+    """Describe what a fish feels for others, the strongest first."""
+    minds = world.state.minds
+    lines = []
+    for k in np.argsort(-np.abs(minds.liking[fish]), kind="stable"):
+        other, strength = int(minds.liked[fish, k]), float(minds.liking[fish, k])
+        if other != NOBODY:
+            name = _somebody(world, fish, other)[0]
+            lines.append(f"{'likes' if strength > 0.0 else 'dislikes'} {name} {abs(strength):.0%}")
+    return lines
+
+
 def _somebody(world: World, fish: int, other: int) -> Focus:
     if other == SUBMARINE:
         return "the submarine", _far(world, fish, world.state.submarine.position)
