@@ -33,7 +33,8 @@ def fingerprint(species: Species, root: str = ROOT) -> str:
     The code is that of the module ``root`` and of all that this uses.
     """
     plans = msgspec.to_builtins(species)
-    for key in ("name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "character", "skin"):
+    unused = "name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "character", "skin"
+    for key in unused:
         del plans[key]
     libraries = {"numpy": np.__version__, "numba": numba.__version__}
     known = {"plans": plans, "versions": libraries, "code": _code_hash(root)}

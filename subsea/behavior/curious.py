@@ -18,6 +18,7 @@ FOND = 0.2  # liking for the submarine with which any fish comes to it
 SATED_S = (25.0, 40.0)  # how long a fish watches, by its identity
 FORGETS = 0.4  # s of watching forgotten per second: a minute or more until the next look
 FRESH_S = 2.0
+SHY_S = 40.0  # fatigue with which a fish twice as timid as usual begins: it does not come at once
 SIGHT_COS = np.cos(np.radians(150.0))  # limit of the field of view
 WATCH_CM = 110.0  # from the middle of the hull to the snout of a watching fish
 FAN_RAD, TIERS_CM = np.radians(70.0), 90.0  # the crowd's width and height before the window
@@ -31,7 +32,8 @@ def desire(
 ) -> None:
     """Interest of pacifists that see the submarine and have not watched it enough lately.
 
-    Timid ones come only when it is near; any fish comes that likes it.
+    Timid ones come only when it is near, and take longer until the next look. Any fish comes that
+    likes it.
     """
     hull = vector(sea.submarine[:3])
     for i in who:
@@ -41,7 +43,8 @@ def desire(
         enough = low + (high - low) * fishes.identity[i] if looks else FRESH_S
         if not looks and seen > 0.0:
             # Fatigue falls by a second per second: slow that down.
-            minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
+            forgets = min(FORGETS / float(minds.timidity[i]), 1.0)
+            minds.fatigue[CURIOUS, i] += (1.0 - forgets) * minds.pause[i]
         toward = minus(hull, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
         liking = feeling_for(minds, i, SUBMARINE)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
+from subsea.behavior.curious import CURIOUS, SHY_S
 from subsea.behavior.death import forget
 from subsea.fish.character import draw_character
 from subsea.fish.species import Species
@@ -104,6 +105,7 @@ def set_character(minds: Minds, these: slice, traits: dict[str, NDArray[np.float
     for name in TRAITS_OF_CHARACTER:
         getattr(minds, name)[these] = traits[name]
     minds.voracity[these] = traits["appetite"]
+    minds.fatigue[CURIOUS, these] = SHY_S * np.maximum(traits["timidity"] - 1.0, 0.0)
 
 
 def set_temperament(

@@ -36,6 +36,8 @@ CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and 
 LEADING = 0.45  # a leader keeps its school moving
 BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
 WAITING = 0.2  # its speed while no companion is near, or many are left behind
+HOVERS, BRISK = 0.25, 0.735  # limits between these
+OWN_PACE_S = 2.0  # time constant with which a fish that begins to wander finds its own pace
 RESTLESS = 2.0  # power of the activity by which pauses are rarer
 ACTIVITY_PURPOSE = np.int64(121)  # key of the random numbers
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) for key in range(4))
@@ -186,12 +188,15 @@ def cruise(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> float:
     """Cruising speed: of an errand, of the swim recommended against monotony, or the present.
 
     An active fish is faster, and often cruises where it is recommended to hover; a lazy one hovers
-    where it should cruise.
+    where it should cruise. After another behavior a fish eases to its own pace.
     """
     if minds.errand[i] > 0.0:
         return float(minds.errand[i])
     activity = float(minds.activity[i])
-    speed = float(fishes.goal_speed[i]) / activity
+    speed = float(fishes.goal_speed[i])
+    own = CRUISE[0] if speed < HOVERS else CRUISE[1 if speed < BRISK * activity else 2]
+    speed /= activity
+    speed += min(minds.pause[i] / OWN_PACE_S, 1.0) * (own - speed)
     advice = int(fishes.recommended[i])
     if advice >= 0:
         chance = uniform(clock.seed, i, clock.tick, ACTIVITY_PURPOSE)
