@@ -24,6 +24,7 @@ from subsea.world.world import TICK_S, World
 TRAITS = ("timidity", "activity", "sociability")
 SETTLE_S, SECONDS, LONG_S = 10.0, 60.0, 150.0
 PAUSE = 0.25  # share of the fast swim below which a wanderer pauses
+FEW = 48  # fishes alone
 EVERY = 6  # ticks between two samples
 
 Columns = dict[str, NDArray[np.floating]]
@@ -81,13 +82,13 @@ def schooling(seed: int, name: str = "schooling") -> dict[str, float]:
 
 
 def alone(seed: int) -> dict[str, float]:
-    """Run two dozen tangs in the bay, and correlate traits with what each of them does."""
+    """Run some tangs in the bay, and correlate traits with what each of them does."""
     scenario = load_scenario("peaceful").scenario
-    shoal = Shoal(species="blue_tang", number=24, libido_rate=0.0, hunger=0.5)
+    shoal = Shoal(species="blue_tang", number=FEW, libido_rate=0.0, hunger=0.5)
     world = create_world(replace(scenario, fish=[shoal], individual=[], tour=[]), seed=seed)
     fishes, minds = world.state.fishes, world.state.minds
     ticks = round(LONG_S / TICK_S)
-    near, first, meals = np.full(24, LONG_S), np.full(24, LONG_S), np.zeros(24)
+    near, first, meals = np.full(FEW, LONG_S), np.full(FEW, LONG_S), np.zeros(FEW)
     cruising: list[NDArray[Any]] = []
     eaten = minds.eaten.copy()
     for tick in range(ticks):

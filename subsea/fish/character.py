@@ -31,7 +31,7 @@ class CharacterPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
     timidity: Trait = (1.0, 0.2)  # keeps farther from collisions, predators and the vessel
     devotion: Trait = (1.0, 0.3)  # keeps its target, though another is nearer
-    activity: Trait = (1.0, 0.12)  # swims faster and pauses less
+    activity: Trait = (1.0, 0.15)  # swims faster and pauses less
     sociability: Trait = (1.0, 0.2)  # keeps nearer to companions
     appetite: Trait = (1.0, 0.2)  # meals that fill it, over the usual number
 
