@@ -57,6 +57,7 @@ THUMBNAILS = {
     "mating": Shot("mating", 1, 150, (0, 3), (-27.0, 15.0, 2.0), (2.0, 4.0, 0.0)),
     "go-fish": Shot("go-fish", 3, 700, (0, 27), (-78.0, 52.0, 9.0), (0.0, 0.0, 9.0)),
     "rendezvous": Shot("rendezvous", 1, 400, (0, 2), (-52.0, -18.0, 5.0), (0.0, 9.0, 0.0)),
+    "twilight": Shot("twilight", 3, 700, (0, 32), (-120.0, 70.0, 14.0), (0.0, 0.0, -10.0)),
     "open-ocean": Shot("open-ocean", 2, 40, (0, 1800), (-600.0, 360.0, 60.0), (0.0, 0.0, 0.0)),
 }
 THUMBNAIL, THUMBNAIL_QUALITY = (192, 108), 80

@@ -8,14 +8,17 @@ from subsea.behavior.wandering import is_at_home
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import PACIFIST, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.feelings import feeling_for
 
 CURIOUS = 7  # row of curiosity in `table.py` and in `minds.fatigue`
 
 INTEREST = 0.6
+FOND = 0.2  # liking for the submarine with which any fish comes to it
 SATED_S = (25.0, 40.0)  # how long a fish watches, by its identity
 FORGETS = 0.4  # s of watching forgotten per second: a minute or more until the next look
 FRESH_S = 2.0
+SHY_S = 40.0  # fatigue with which a fish twice as timid as usual begins: it does not come at once
 SIGHT_COS = np.cos(np.radians(150.0))  # limit of the field of view
 WATCH_CM = 110.0  # from the middle of the hull to the snout of a watching fish
 FAN_RAD, TIERS_CM = np.radians(70.0), 90.0  # the crowd's width and height before the window
@@ -27,7 +30,11 @@ WATCHES, BACKS_OFF = 0.05, -0.4  # shares of the fastest speed
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Interest of pacifists that see the submarine and have not watched it enough lately."""
+    """Interest of pacifists that see the submarine and have not watched it enough lately.
+
+    Timid ones come only when it is near, and take longer until the next look. Any fish comes that
+    likes it.
+    """
     hull = vector(sea.submarine[:3])
     for i in who:
         looks = minds.intention[i] == CURIOUS
@@ -36,11 +43,15 @@ def desire(
         enough = low + (high - low) * fishes.identity[i] if looks else FRESH_S
         if not looks and seen > 0.0:
             # Fatigue falls by a second per second: slow that down.
-            minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
+            forgets = min(FORGETS / float(minds.timidity[i]), 1.0)
+            minds.fatigue[CURIOUS, i] += (1.0 - forgets) * minds.pause[i]
         toward = minus(hull, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
-        drawn = minds.kind[i] == PACIFIST and seen < enough and is_at_home(minds, i, hull)
-        out[i] = INTEREST if drawn and _sees(toward, ahead, nature.curiosity_cm) else 0.0
+        liking = feeling_for(minds, i, SUBMARINE)
+        drawn = minds.kind[i] == PACIFIST or liking > FOND
+        drawn = drawn and seen < enough and is_at_home(minds, i, hull)
+        reach = nature.curiosity_cm * (1.0 + liking) / float(minds.timidity[i])
+        out[i] = INTEREST if drawn and _sees(toward, ahead, reach) else 0.0
 
 
 @kernel

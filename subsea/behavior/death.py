@@ -22,7 +22,7 @@ def remove(fishes: Fishes, minds: Minds, dead: int) -> None:
 
 @kernel
 def forget(minds: Minds, dead: int) -> None:
-    """Clear fish `dead` from what others court, hunt, fear, avoid or accompany."""
+    """Clear fish `dead` from what others court, hunt, fear, avoid, accompany or like."""
     for i in range(len(minds.leader)):
         if minds.predator[i] == dead:
             minds.predator[i] = NOBODY
@@ -48,6 +48,10 @@ def forget(minds: Minds, dead: int) -> None:
         _strike(minds.predators[i], dead)
         _strike(minds.mates[i], dead)
         _strike(minds.neighbour[i], dead)
+        for k in range(minds.liked.shape[1]):
+            if minds.liked[i, k] == dead:
+                minds.liked[i, k] = NOBODY
+                minds.liking[i, k] = 0.0
 
 
 @kernel

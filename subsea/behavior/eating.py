@@ -14,7 +14,8 @@ from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.kernels import kernel
-from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import EAT, HUNGER, PREDATOR, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.feelings import feel
 
 STILL_KEEN = 0.6  # share of `keen` below which a fish that eats stops
 # Food for which a fish of a school turns aside: within this distance and angle ahead.
@@ -24,6 +25,7 @@ SUCK_BL = 0.28  # reach of the suction ...
 SUCK_CM_S = 25.0  # ... and its speed
 SWALLOW_BL = 0.06  # distance at which a speck is in the mouth
 ABSENCE_S = (40.0, 90.0)  # until a speck that was eaten is replaced
+FED_CM, FED = 250.0, 0.12  # distance of a meal to the submarine, and the liking that it adds
 ABSENCE_PURPOSE = np.int64(60)  # key of the random numbers
 
 
@@ -131,3 +133,6 @@ def ingest(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             minds.last_meal[i] = clock.tick * clock.dt
             minds.fatigue[EAT, i] = 0.0
             minds.target[i] = -1
+            hull = vector(sea.submarine)
+            if norm(minus(hull, vector(fishes.position[i]))) < FED_CM:
+                feel(minds, i, SUBMARINE, FED)

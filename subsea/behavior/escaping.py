@@ -17,6 +17,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.state import (
+    EAT,
     FEAR,
     HULL_CM,
     NOBODY,
@@ -28,6 +29,7 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.feelings import dread_of, feel
 
 CLOSE = 0.6  # share of D0 within which a predator is close
 FRONT_RAD = np.radians(45.0)  # bearing below which it is in front ...
@@ -44,6 +46,7 @@ LEAST_START, MOST_START = 0.6, 2.6  # rad, range of C-starts; straight ahead wit
 SPREAD_RAD = 0.7  # range of angles by which starts differ: the direction is not to be foreseen
 REFRACTORY_S = 1.5  # shortest time until the next start
 FLIGHT_S = 2.0  # length of the burst after a start
+GRUDGE = 0.2  # 1/s: dislike that grows for a predator that chases the fish
 START_PURPOSE = np.int64(81)  # key of the random numbers
 ADRIFT_CM_S = 5.0  # a slower submarine is taken to head for the fish
 
@@ -89,6 +92,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if minds.predator[i] == NOBODY:
             continue
         danger = danger_of(fishes, minds, i, sea, nature)
+        if danger.approaches and is_chased(minds, i):
+            feel(minds, i, minds.predator[i], -GRUDGE * minds.pause[i])
         turn = turn_of(rule_of(danger), danger)
         ahead = x_axis(fishes.orientation[i])
         heading = np.arctan2(ahead[1], ahead[0]) + turn
@@ -106,6 +111,13 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
                 fishes.startle[i] = min(max(bend, -MOST_START), MOST_START)
         if minds.startled[i] < FLIGHT_S:
             burst(fishes, minds, i)
+
+
+@kernel
+def is_chased(minds: Minds, i: int) -> bool:
+    """True if the predator of fish i is after this fish; the submarine is after all that flee."""
+    j = minds.predator[i]
+    return j == SUBMARINE or (minds.intention[j] == EAT and minds.target[j] == i)
 
 
 @kernel
@@ -141,10 +153,8 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
     j = minds.predator[i]
     if j == SUBMARINE:
         there, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
-        dread = nature.submarine_cm
     else:
         there, velocity = vector(fishes.position[j]), vector(fishes.velocity[j])
-        dread = float(minds.dread[i])
     toward = minus(there, vector(fishes.position[i]))
     distance = max(norm(toward), 1e-6)
     ahead, course = x_axis(fishes.orientation[i]), velocity
@@ -153,7 +163,7 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
     elif norm(velocity) < ADRIFT_CM_S:
         course = (-toward[0], -toward[1], -toward[2])
     return Danger(
-        1.0 - distance / max(CLOSE * dread, 1e-6),
+        1.0 - distance / max(CLOSE * dread_of(minds, i, j, nature), 1e-6),
         _angle(ahead, toward),
         _angle(ahead, course),
         dot(toward, minus(velocity, vector(fishes.velocity[i]))) < 0.0,

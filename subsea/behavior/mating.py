@@ -24,11 +24,13 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.feelings import feel
 
 STILL_KEEN = 0.6  # share of `keen` below which a courting fish stops
 DEVOTED = 1.5  # least desire of a courting fish over `keen`
 COY = 0.15  # share of the fastest speed of a female whom a male approaches
 LOST_CM = 250.0  # distance at which a partner is out of sight
+BONDS = 0.7  # liking that grows for a mate by spawning
 REST_S = 30.0  # after spawning, before a fish courts again
 SHUN_S = 45.0  # how long a fish shuns a former partner
 APART_CM = 260.0  # distance of the place to which it turns away
@@ -147,6 +149,8 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
         else:
             minds.last_mating[i] = clock.tick * clock.dt
             minds.last_mating[j] = clock.tick * clock.dt
+            feel(minds, i, j, BONDS)
+            feel(minds, j, i, BONDS)
             _part(fishes, minds, j)
             _part(fishes, minds, i)
 

@@ -5,11 +5,15 @@ Set the initial sexes, habits and mental states of shoals and of individual fish
 
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
+from subsea.behavior.curious import CURIOUS, SHY_S
 from subsea.behavior.death import forget
+from subsea.fish.character import draw_character
+from subsea.fish.species import Species
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
@@ -28,11 +32,13 @@ from subsea.state import (
     Minds,
     Nature,
 )
+from subsea.state.feelings import fade_feelings
 
 # Tu's p0 = 0.00067 and p1 = 0.0025 per time unit of 0.1 s.
 DIGESTION = 0.0067  # 1/s: a meal is digested after 149 s
 LIBIDO_RATE = 0.025  # 1/s: libido is full 40 s after a mating
 DREAD_CM = 200.0  # D0
+SEAS_OWN = -1.0  # dusk and mild of a fish to which the constants of all fishes apply
 FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food tempts from 20 cm, fully at 5 cm
 MATE_STIMULUS = (0.025, 0.1)
 
@@ -47,6 +53,7 @@ def update_mental_state(
     a direction replaces that of what is seen.
     """
     now = clock.tick * clock.dt
+    fade_feelings(who, minds)
     for i in who:
         left = 1.0 - minds.digestion[i] * (now - minds.last_meal[i])
         if left <= 0.0:
@@ -80,6 +87,27 @@ DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
 HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
 
 
+TRAITS_OF_CHARACTER = ("timidity", "devotion", "activity", "sociability")
+
+
+def character_of(
+    shoal: Shoal, species: Species, seed: int, first: int, number: int
+) -> dict[str, NDArray[np.float32]]:
+    """Draw the traits (number,) of the fishes of a shoal from `first` on, by name."""
+    keys = msgspec.structs.asdict(species.character)
+    given = {key: getattr(shoal, key) for key in keys if getattr(shoal, key) is not None}
+    plan = msgspec.structs.replace(species.character, **given)
+    return draw_character(plan, seed, first, number)
+
+
+def set_character(minds: Minds, these: slice, traits: dict[str, NDArray[np.float32]]) -> None:
+    """Set the character of the fishes of a shoal; before their temperament, which depends on it."""
+    for name in TRAITS_OF_CHARACTER:
+        getattr(minds, name)[these] = traits[name]
+    minds.voracity[these] = traits["appetite"]
+    minds.fatigue[CURIOUS, these] = SHY_S * np.maximum(traits["timidity"] - 1.0, 0.0)
+
+
 def set_temperament(
     shoal: Shoal, fishes: Fishes, minds: Minds, these: slice, rng: np.random.Generator
 ) -> None:
@@ -91,6 +119,8 @@ def set_temperament(
     minds.digestion[these] = DIGESTION if shoal.digestion is None else shoal.digestion
     minds.libido_rate[these] = LIBIDO_RATE if shoal.libido_rate is None else shoal.libido_rate
     minds.dread[these] = DREAD_CM if shoal.dread_cm is None else shoal.dread_cm
+    minds.dusk[these] = SEAS_OWN if shoal.dusk is None else shoal.dusk
+    minds.mild[these] = SEAS_OWN if shoal.mild is None else shoal.mild
     hunger = rng.uniform(0, 0.6, number) if shoal.hunger is None else shoal.hunger
     libido = rng.uniform(0, 0.3, number) if shoal.libido is None else shoal.libido
     minds.eaten[these] = (1.0 - hunger) * minds.appetite[these]
@@ -115,6 +145,8 @@ def apply_individual(fishes: Fishes, minds: Minds, table: IndividualTable, now_s
     for name, value in (
         ("schools", table.schooling), ("digestion", table.digestion),
         ("libido_rate", table.libido_rate), ("dread", table.dread_cm), ("appetite", table.appetite),
+        *((name, getattr(table, name)) for name in TRAITS_OF_CHARACTER),
+        ("dusk", table.dusk), ("mild", table.mild),
     ):  # fmt: skip
         if value is not None:
             getattr(minds, name)[i] = value
@@ -137,7 +169,8 @@ def appetite_of(length: Any, kind: Any) -> Any:
 
 
 def _set_appetite(fishes: Fishes, minds: Minds, these: slice | int) -> None:
-    minds.appetite[these] = appetite_of(fishes.length[these], minds.kind[these])
+    usual = appetite_of(fishes.length[these], minds.kind[these])
+    minds.appetite[these] = np.float32(usual) * minds.voracity[these]
 
 
 def urge_to_eat(minds: Minds, these: Any, now_s: float) -> Any:

@@ -98,9 +98,9 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         here, length = vector(fishes.position[i]), float(fishes.length[i])
         alarmed = minds.mental[i, FEAR] > nature.alarmed
         school = known_by(minds, i)
-        spacing = CLOSED if alarmed else 1.0
+        spacing = (CLOSED if alarmed else 1.0) / np.sqrt(float(minds.sociability[i]))
         urge, heading, pace = _company(fishes, minds, i, spacing)
-        cruising = CRUISING
+        cruising = CRUISING * float(minds.activity[i])
         if minds.errand[school] > 0.0:
             cruising = minds.errand[school] * np.sqrt(fishes.length[school] / length)
         if alarmed:

@@ -10,6 +10,7 @@ from subsea.base.progress import say
 from subsea.behavior import (
     avoiding,
     biting,
+    company,
     curious,
     eating,
     escaping,
@@ -39,6 +40,8 @@ OURS = (
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
+    Behavior("shun", company.shun, ((EASE, company.shun_desire),)),
+    Behavior("stay", company.stay, ((EASE, company.stay_desire),)),
 )
 
 

@@ -40,6 +40,10 @@ AHEAD_BL = 1.5  # distance ahead at which a fish that keeps to the ground feels 
 GENTLE_RAD = np.radians(30.0)  # greatest turn to a waypoint of such a fish: it glides in wide arcs
 BERTH_BL = 2.5  # distance of waypoints from the wall, for fishes that are long for their sea ...
 LEAST_ROAM = 0.4  # ... at this share of its radius or more
+HOVERS, BRISK = 0.25, 0.735  # limits between these
+OWN_PACE_S = 2.0  # time constant with which a fish that begins to wander finds its own pace
+RESTLESS = 2.0  # power of the activity by which pauses are rarer
+ACTIVITY_PURPOSE = np.int64(121)  # key of the random numbers
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) for key in range(4))
 
 
@@ -70,7 +74,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 def wander(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Let fish i swim to its waypoint at its cruising speed."""
     set_urge(minds, i, heading(fishes, minds, i, sea, clock))
-    fishes.goal_speed[i] = cruise(fishes, minds, i)
+    fishes.goal_speed[i] = cruise(fishes, minds, i, clock)
 
 
 @kernel
@@ -119,8 +123,9 @@ def _along_ground(fishes: Fishes, minds: Minds, i: int, sea: Sea, toward: Vector
 def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Draw a waypoint in free water, with a gentle climb or dive, and the patience for it.
 
-    That of a school lies ahead of it, so that the school does not have to turn back, and likewise
-    that of a fish that keeps to the ground.
+    It is where the fish likes light and temperature, as far as the climb allows. That of a school
+    lies ahead of it, so that the school does not have to turn back, and likewise that of a fish
+    that keeps to the ground.
     """
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
     plans = minds.leads[i] or minds.cruise_height[i, 0] < np.inf
@@ -134,24 +139,39 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
         reach = roam * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
         x, y = reach * np.cos(angle), reach * np.sin(angle)
         floor = height_at(sea.floor, sea.half_width, x, y) + FLOOR_CM
+        low, high = _liked_heights(minds, i, floor)
         # Most life of a reef is in the lower half of the water.
         depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
-        z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
-        low, high = minds.cruise_height[i]
-        if low < np.inf:
+        z = min(max(low + depth * (high - low), here[2] - rise), here[2] + rise)
+        lowest, highest = minds.cruise_height[i]
+        if lowest < np.inf:
             # Never so high that it would be nearer to the surface.
-            z = floor - FLOOR_CM + min(low + depth * (high - low), 0.5 * (FLOOR_CM - floor))
+            over = lowest + depth * (highest - lowest)
+            z = floor - FLOOR_CM + min(over, 0.5 * (FLOOR_CM - floor))
         store(minds.waypoint[i], (x, y, max(z, floor)))
         there = vector(minds.waypoint[i])
         way = minus(there, here)
+        suits = -minds.comfort[i, 1] <= high and low <= -minds.comfort[i, 0]
         onward = dot(way, ahead) > AHEAD_COS * norm(way) and is_broad(sea, here, there)
-        if _is_free(sea, there) and (not plans or onward):
+        if suits and _is_free(sea, there) and (not plans or onward):
             break
     low, high = PATIENCE_S
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)
     way_s = norm(minus(vector(minds.waypoint[i]), here)) / (SLOWEST * fishes.fast[i])
     minds.patience[i] = low + (high - low) * share + way_s
+
+
+@kernel
+def _liked_heights(minds: Minds, i: int, floor: float) -> tuple[float, float]:
+    """Lowest and highest z of waypoints over a `floor`: where fish i likes light and warmth.
+
+    Both are the nearest one where the water has no such depth.
+    """
+    top = max(-SURFACE_CM, floor)
+    high = min(max(-float(minds.comfort[i, 0]), floor), top)
+    low = max(min(-float(minds.comfort[i, 1]), high), floor)
+    return low, high
 
 
 @kernel
@@ -202,11 +222,26 @@ def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
 
 
 @kernel
-def cruise(fishes: Fishes, minds: Minds, i: int) -> float:
-    """Cruising speed: of an errand, of the swim recommended against monotony, or the present."""
+def cruise(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> float:
+    """Cruising speed: of an errand, of the swim recommended against monotony, or the present.
+
+    An active fish is faster, and often cruises where it is recommended to hover; a lazy one hovers
+    where it should cruise. After another behavior a fish eases to its own pace.
+    """
     if minds.errand[i] > 0.0:
         return float(minds.errand[i])
+    activity = float(minds.activity[i])
     speed = float(fishes.goal_speed[i])
-    if fishes.recommended[i] >= 0:
-        speed = CRUISE[fishes.recommended[i]]
-    return min(max(speed, LEADING if minds.leads[i] else CRUISE[0]), CRUISE[2])
+    own = CRUISE[0] if speed < HOVERS else CRUISE[1 if speed < BRISK * activity else 2]
+    speed /= activity
+    speed += min(minds.pause[i] / OWN_PACE_S, 1.0) * (own - speed)
+    advice = int(fishes.recommended[i])
+    if advice >= 0:
+        chance = uniform(clock.seed, i, clock.tick, ACTIVITY_PURPOSE)
+        if advice == 0 and chance < 1.0 - activity**-RESTLESS:
+            advice = 1
+        elif advice == 1 and chance < 1.0 - activity**RESTLESS:
+            advice = 0
+        speed = CRUISE[advice]
+    least = LEADING if minds.leads[i] else CRUISE[0]
+    return min(activity * min(max(speed, least), CRUISE[2]), 1.0)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.behavior.company import disliked, missed
 from subsea.behavior.table import INTENTIONS
 from subsea.state import (
     AVOID,
@@ -26,6 +27,7 @@ from subsea.state import (
 from subsea.world.world import TICK_S, World
 
 CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
+SHUN, STAY = INTENTIONS.index("shun"), INTENTIONS.index("stay")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
 NOTHING = "nothing"
 
@@ -72,7 +74,24 @@ def focus(world: World, fish: int) -> Focus:
         return _somebody(world, fish, SUBMARINE)
     if intention == STRUGGLE:
         return "the hook", _far(world, fish, sea.hook)
+    if intention == SHUN:
+        k = int(disliked(world.state.fishes, minds, fish, sea))
+        return (NOTHING, None) if k < 0 else _somebody(world, fish, int(minds.liked[fish, k]))
+    if intention == STAY:
+        return _somebody(world, fish, int(missed(world.state.fishes, minds, fish)))
     return NOTHING, None
+
+
+def feelings(world: World, fish: int) -> list[str]:
+    """Describe what a fish feels for others, the strongest first."""
+    minds = world.state.minds
+    lines = []
+    for k in np.argsort(-np.abs(minds.liking[fish]), kind="stable"):
+        other, strength = int(minds.liked[fish, k]), float(minds.liking[fish, k])
+        if other != NOBODY:
+            name = _somebody(world, fish, other)[0]
+            lines.append(f"{'likes' if strength > 0.0 else 'dislikes'} {name} {abs(strength):.0%}")
+    return lines
 
 
 def _somebody(world: World, fish: int, other: int) -> Focus:

@@ -21,6 +21,7 @@ from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.rowing import RowPlan
 from subsea.biomechanics.solver import check_step
+from subsea.fish.character import CharacterPlan
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import Curve, Extent, Share, SurfacePlan, along
 
@@ -172,6 +173,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     home_cm: Annotated[float, msgspec.Meta(ge=1, le=1e4)] | None = None  # farthest from its home
     # Lowest and highest cruise over the ground, body lengths; None: at any height.
     cruise_height: tuple[CruiseHeight, CruiseHeight] | None = None
+    character: CharacterPlan = CharacterPlan()
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None

@@ -18,7 +18,7 @@ from subsea.fish.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
 from subsea.geometry.rotation import matrix
 from subsea.geometry.solids import height_at
 from subsea.motor.pose import pose_at
-from subsea.perception.collision import ANTENNA_BL, ENLARGED, sensitivity
+from subsea.perception.collision import ANTENNA_BL, caution, sensitivity
 from subsea.perception.vision import FIELD_COS
 from subsea.repertoire import SEGMENTS
 from subsea.state import NOBODY
@@ -337,7 +337,7 @@ class DiagramBuilder:
             box = place[k] + (low + corner * (high - low)) @ axes[k].T
             threat = int(minds.threat[i])
             yield make_lines(box[BOX_EDGES], CALM if threat == NOBODY else ALARMED)
-            reach = ENLARGED * self.world.nature.timidity * ANTENNA_BL * float(fishes.length[i])
+            reach = caution(minds, int(i), self.world.nature) * ANTENNA_BL * float(fishes.length[i])
             snout = place[k] + float(fishes.snout[i]) * axes[k][:, 0]
             tip = snout + reach * axes[k][:, 0]
             yield make_lines([(snout, tip)], CALM if minds.barrier[i] == -1 else ALARMED)

@@ -147,9 +147,15 @@ class SensitivityRegion(NamedTuple):
 
 
 @kernel
+def caution(minds: Minds, i: int, nature: Nature) -> float:
+    """Factor on the sizes of all that fish i uses to foresee collisions (Tu §6.6.1)."""
+    return ENLARGED * nature.timidity * float(minds.timidity[i])
+
+
+@kernel
 def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
     """The region of fish i, by what it intends."""
-    scale = ENLARGED * nature.timidity
+    scale = caution(minds, i, nature)
     intention = minds.intention[i]
     interrupted = minds.memory[i] if intention == AVOID else intention
     margin, foresight, welcome = MARGIN_BL, FORESIGHT_S, int(NOBODY)
@@ -308,7 +314,7 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
     enlarges seabed and surface by 1.5 times its height.
     """
     for i in who:
-        antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
+        antenna = caution(minds, i, nature) * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
         minds.barrier[i] = nearest_barrier(fishes, i, sea, held * antenna)
 

@@ -8,7 +8,7 @@ from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
-from subsea.perception.collision import ANTENNA_BL, ENLARGED
+from subsea.perception.collision import ANTENNA_BL, caution
 from subsea.perception.foraging import cost_of, is_in_school, perceives
 from subsea.perception.vision import ahead_of, along_body, eye_of, sees_fish
 from subsea.state import (
@@ -35,9 +35,11 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.feelings import feeling_for
 
 COMPROMISE = 0.2  # p of Tu §6.5.3: weight of motor preferences in desirability
 STRANGER = 0.5  # factor on the desirability of a mate of another species
+ENDEARS = 0.5  # desirability of a mate by the liking for it
 STEEPEST = 0.6  # sine of the steepest climb or dive, as in `motor/controller.py`
 ARC = 0.5  # share by which the way to a point straight behind is longer
 TOWARD = 0.5  # cosine of the 60 degrees about an axis that count as its direction
@@ -70,13 +72,14 @@ def set_targets(
 
     A speck has the desirability D = 1 - d / O_r (Tu §6.5.3) for the way d to swim; for prey the
     least cost decides (§7.9.1). Males prefer near females, females large males, both their own
-    species (§7.9.3). The present target is kept while it is perceived, unless another is nearer,
-    or cheaper to catch, by `devotion_cm` (§7.7.3).
+    species (§7.9.3), and both those that they like. The present target is kept while it is
+    perceived, unless another is nearer, or cheaper to catch, by `devotion_cm` (§7.7.3).
     """
     desire, gaps = np.zeros(minds.foods.shape[1]), np.zeros(minds.foods.shape[1])
     for i in who:
         intention, now = minds.intention[i], np.int64(minds.target[i])
         eye, ahead = eye_of(fishes, i), ahead_of(fishes, i)
+        devotion_cm = nature.devotion_cm * float(minds.devotion[i])
         if intention == AVOID:
             minds.target[i] = minds.threat[i]
         elif intention == ESCAPE:
@@ -91,7 +94,7 @@ def set_targets(
                     toward = minus(vector(fishes.position[best]), eye)
                     schools = is_in_school(fishes, minds, best)
                     other = cost_of(toward, norm(toward), ahead, schools)
-                    best = now if present - other <= nature.devotion_cm else best
+                    best = now if present - other <= devotion_cm else best
             minds.target[i] = best
         elif intention == EAT:
             for k, speck in enumerate(minds.foods[i]):
@@ -102,7 +105,7 @@ def set_targets(
             best = minds.foods[i, k] if k >= 0 else -1
             if now >= 0 and best >= 0 and sea.absent[now] <= 0.0:
                 gap = way_to(minus(vector(sea.plankton[now]), eye), ahead)
-                if gap <= nature.smell_cm and gap - gaps[k] <= nature.devotion_cm:
+                if gap <= nature.smell_cm and gap - gaps[k] <= devotion_cm:
                     best = now
             minds.target[i] = best
         elif intention == MATE and minds.courtship[i] == NO_COURTSHIP:
@@ -115,6 +118,7 @@ def set_targets(
                         desire[k] = max(1.0 - gaps[k] / nature.vision_cm, 0.0)
                     if fishes.species[i] != fishes.species[j]:
                         desire[k] *= STRANGER
+                    desire[k] += ENDEARS * feeling_for(minds, i, j)
             k = most_desirable(
                 fishes, i, minds.mates[i], desire, fishes.position, minds.preference[i]
             )
@@ -122,7 +126,7 @@ def set_targets(
             still = now >= 0 and best >= 0 and fishes.alive[now]
             if still and sees_fish(fishes, i, now, sea, nature):
                 gap = norm(minus(vector(fishes.position[now]), eye))
-                if gap - gaps[k] <= nature.devotion_cm:
+                if gap - gaps[k] <= devotion_cm:
                     best = now
             minds.target[i] = best
 
@@ -197,7 +201,7 @@ def set_preferences(
         elif minds.intention[i] == MATE:
             strength = minds.mental[i, LIBIDO]
         warn_of_fishes(fishes, i, np.int64(minds.threat[i]), minds.neighbour[i], sums, counts)
-        warn_of_solids(fishes, i, sea, nature, sums, counts)
+        warn_of_solids(fishes, i, sea, caution(minds, i, nature), sums, counts)
         fear = against(minds.mental[i, FEAR], strength)
         for j in minds.predators[i]:
             if j != NOBODY and fear > 0.0:
@@ -246,11 +250,11 @@ def warn_of_fishes(
 
 @kernel
 def warn_of_solids(
-    fishes: Fishes, i: int, sea: Sea, nature: Nature, sums: Array, counts: Array
+    fishes: Fishes, i: int, sea: Sea, scale: float, sums: Array, counts: Array
 ) -> None:
-    """Warn of obstacles within an antenna's length of the eye."""
+    """Warn of obstacles within an antenna's length of the eye, which `scale` multiplies."""
     eye, q = eye_of(fishes, i), fishes.orientation[i]
-    reach = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
+    reach = scale * ANTENNA_BL * float(fishes.length[i])
     for k in range(len(sea.pillars)):
         normal, distance = from_pillar(sea.pillars[k], eye)
         if distance < reach:

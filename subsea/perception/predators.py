@@ -8,6 +8,7 @@ from subsea.kernels import kernel
 from subsea.perception.grid import ROUNDING, Grid, insert, near_slots
 from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
 from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
+from subsea.state.feelings import dread_of
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar
 
@@ -37,7 +38,8 @@ def see_predators(
             eye = eye_of(fishes, i)
             there = vector(sea.submarine)
             if sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
-                danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
+                dread = dread_of(minds, i, SUBMARINE, nature)
+                danger = fearfulness(dread, norm(minus(there, eye)))
                 total += min(danger, 1.0)
                 insert(worst, cost, SUBMARINE, -danger)
             for k in range(near_slots(grid, eye, farthest, slots)):
@@ -45,7 +47,7 @@ def see_predators(
                 gap = minus(vector(grid.place[slots[k]]), eye)
                 if dot(gap, gap) > ROUNDING * farthest * farthest:
                     continue
-                danger = fearfulness(float(minds.dread[i]), norm(gap))
+                danger = fearfulness(dread_of(minds, i, j, nature), norm(gap))
                 if total >= 1.0 and -danger > cost[-1]:
                     continue  # it adds nothing, and the test of sight is the most expensive
                 if sees_fish(fishes, i, j, sea, nature):

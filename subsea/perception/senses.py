@@ -15,6 +15,7 @@ from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share, side_by_side
 from subsea.perception import collision, foraging, leader_tracking, mates, predators
 from subsea.perception.collision import Crowd
+from subsea.perception.comfort import sense_comfort
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
 from subsea.perception.leader_tracking import Schools
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
@@ -106,6 +107,7 @@ def look_around(
     Sets `seen` (n,) where a fish sees the leader of its school.
     """
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
+    sense_comfort(who, minds, sea.climate, nature)
     leader_tracking.see_leader(who, fishes, minds, sea, nature, seen)
     collision.find_threats(who, fishes, minds, around.crowds, nature)
     collision.find_barriers(who, fishes, minds, sea, nature)

@@ -4,6 +4,7 @@ from typing import Annotated, Literal, NamedTuple
 
 import msgspec
 
+from subsea.fish.character import TRAIT_RANGE, Trait
 from subsea.fish.species import BodyLength
 from subsea.scenario.directions import MAX_DIRECTIONS, Coordinate, Direction, Flow, Habit
 
@@ -75,6 +76,7 @@ Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
 Factor = Annotated[float, msgspec.Meta(ge=0, le=100)]
 Dread = Annotated[float, msgspec.Meta(ge=0, le=5000)]
+TraitValue = Annotated[float, msgspec.Meta(ge=TRAIT_RANGE[0], le=TRAIT_RANGE[1])]
 Kind = Literal["pacifist", "prey", "predator"]
 SchoolKind = Literal["neighbours", "leader"]
 Weight = Annotated[float, msgspec.Meta(ge=0, le=1000)]
@@ -173,6 +175,14 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
     dread_cm: Dread | None = None  # D0
+    # Mean and spread of the traits of its fishes; None: the species'.
+    timidity: Trait | None = None
+    devotion: Trait | None = None
+    activity: Trait | None = None
+    sociability: Trait | None = None
+    appetite: Trait | None = None  # over the usual number of meals
+    dusk: Share | None = None  # None: that of all fishes, as for the next
+    mild: Share | None = None
 
     @property
     def is_led(self) -> bool:
@@ -351,6 +361,8 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     timidity: Annotated[float, msgspec.Meta(ge=0.1, le=5)] = 1.0
     submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 80.0
     curiosity_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 350.0
+    dusk: Share = 0.5
+    mild: Share = 0.5
 
     def __post_init__(self) -> None:
         """Refuse thresholds in the wrong order (Tu §7.5)."""
@@ -376,6 +388,12 @@ class IndividualTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
     dread_cm: Dread | None = None  # D0
+    timidity: TraitValue | None = None
+    devotion: TraitValue | None = None
+    activity: TraitValue | None = None
+    sociability: TraitValue | None = None
+    dusk: Share | None = None
+    mild: Share | None = None
 
 
 class PhysicsTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -4,6 +4,7 @@ import numpy as np
 
 NEIGHBOURS = 7  # companions that a fish attends to
 CHOICES = 3  # targets among which it chooses: K of Tu §6.5.3
+FEELINGS = 4  # others for whom it has a feeling
 NOBODY, SUBMARINE = -1, -2  # in place of the index of a fish
 BAIT = -3  # target of a plankton eater that is after the bait instead of a speck
 ANYONE = np.array([0, 2**31 - 1, -1], np.int32)  # row of `Minds.quarry` that allows every prey

@@ -13,6 +13,7 @@ from subsea.state.codes import (
     ANYONE,
     BAIT,
     CHOICES,
+    FEELINGS,
     FIN_COLUMNS,
     FINS_AT_EASE,
     NEIGHBOURS,
@@ -184,6 +185,12 @@ class Minds(NamedTuple):
     digestion: Annotated[F32, panels("n", unit="1/s"), "p0 (Tu §7.4)"]
     libido_rate: Annotated[F32, panels("n", unit="1/s"), "p1 (Tu §7.4)"]
     dread: Annotated[F32, panels("n", unit="cm"), "D0: distance of a predator at which fear is 1"]
+    timidity: Annotated[F32, panels("n", start=1), "factor on D0 and on the room for collisions"]
+    devotion: Annotated[F32, panels("n", start=1), "factor on `nature.devotion_cm`"]
+    activity: Annotated[F32, panels("n", start=1), "factor on its speed at ease"]
+    sociability: Annotated[F32, panels("n", start=1), "over 1: nearer to companions"]
+    dusk: Annotated[F32, panels("n", start=-1), "its own `nature.dusk`, or negative"]
+    mild: Annotated[F32, panels("n", start=-1), "its own `nature.mild`, or negative"]
 
     home: Annotated[F32, creation("n", 3, unit="cm"), "place that it keeps to, as an anemone"]
     home_range: Annotated[F32, creation("n", unit="cm", start=NEVER), "how far it goes from there"]
@@ -191,6 +198,7 @@ class Minds(NamedTuple):
         F32, creation("n", 2, unit="cm", start=NEVER), "lowest and highest cruise over the ground"
     ]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
+    voracity: Annotated[F32, creation("n", start=1), "its appetite over the usual one"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
     leader_place: Annotated[
@@ -218,6 +226,11 @@ class Minds(NamedTuple):
     mate_distance: Annotated[F32, perception("n", unit="cm", start=NEVER), "infinite for none"]
     light: Annotated[F32, perception("n"), "ambient brightness, in [0, 1]"]
     temperature: Annotated[F32, perception("n", unit="°C"), "of the water"]
+    comfort: Annotated[
+        F32,
+        perception("n", 2, unit="cm", start=(0, NEVER)),
+        "depths between which it likes light and temperature",
+    ]
     target: Annotated[
         I32,
         perception("n", start=-1, within=(BAIT, "target")),
@@ -260,6 +273,8 @@ class Minds(NamedTuple):
     alone: Annotated[F32, behavior("n", unit="s"), "time for which the partner minded others"]
     shunned: Annotated[FISH, behavior("n"), "no longer courted: it refused, or they just spawned"]
     shunning: Annotated[F32, behavior("n", unit="s"), "time until `shunned` is forgotten"]
+    liked: Annotated[FISH_OR_HULL, behavior("n", FEELINGS), "whom it has a feeling for, or NOBODY"]
+    liking: Annotated[F32, behavior("n", FEELINGS), "the feeling: -1 dislike to 1 liking"]
 
     errand: Annotated[F32, directing("n"), "share of its fastest speed to its waypoint, 0 for none"]
     fright: Annotated[F32, directing("n", start=-1), "imposed fear; negative: what it sees decides"]
@@ -438,6 +453,8 @@ class Nature(NamedTuple):
     timidity: float  # factor on the collision sensitivity region (Tu §6.6.1)
     submarine_cm: float  # D0 of the submarine for prey: the size of predator that it appears
     curiosity_cm: float  # distance from which the submarine attracts pacifists, 0 for never
+    dusk: float  # share of the sea's range of light below which it is dark (Tu §7.3)
+    mild: float  # share of the sea's range of temperature below which it is cold
 
 
 class Physics(NamedTuple):

@@ -5,7 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.behavior.mental_state import apply_individual, set_temperament
+from subsea.behavior.mental_state import (
+    apply_individual,
+    character_of,
+    set_character,
+    set_temperament,
+)
 from subsea.fish.species import Species
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import out_of_solids
@@ -69,6 +74,8 @@ def populate(world: World, rng: np.random.Generator) -> None:
             minds.leader[first + 1 : first + number] = first
             minds.leads[first : first + 1] = number > 1
         minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
+        traits = character_of(shoal, species[shoal.species], world.state.seed, first, number)
+        set_character(minds, these, traits)
         set_temperament(shoal, fishes, minds, these, rng)
         minds.waypoint[these] = fishes.position[these]
         if shoal.toward_cm:

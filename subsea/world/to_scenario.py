@@ -19,10 +19,13 @@ from subsea.behavior.mental_state import (
     DREAD_CM,
     HABITS,
     LIBIDO_RATE,
+    SEAS_OWN,
+    TRAITS_OF_CHARACTER,
     appetite_of,
+    character_of,
     males_of,
 )
-from subsea.fish.species import Species
+from subsea.fish.character import MEAN_RANGE
 from subsea.scenario.schema import IndividualTable, NatureTable, PhysicsTable, Scenario, Shoal
 from subsea.state import KINDS, TRAITS, Nature, Physics
 from subsea.world.world import World
@@ -62,7 +65,10 @@ def equal_tunables(first: Tunables, second: Tunables) -> bool:
 
 Columns = dict[str, NDArray[Any]]  # one value for each fish, by the keys of `Individual`
 
-RATES = {"digestion": DIGESTION, "libido_rate": LIBIDO_RATE, "dread_cm": DREAD_CM}
+RATES = {
+    "digestion": DIGESTION, "libido_rate": LIBIDO_RATE, "dread_cm": DREAD_CM,
+    "dusk": SEAS_OWN, "mild": SEAS_OWN,
+}  # fmt: skip
 
 
 def to_scenario(world: World) -> Scenario:
@@ -87,10 +93,9 @@ def _fishes(world: World) -> tuple[list[Shoal], list[IndividualTable]]:
     first = 0
     for shoal in scenario.fish:
         these = slice(first, first + shoal.number)
-        species = world.species[scenario.species.index(shoal.species)]
         traits = _traits(world, these)
-        shoal = _common(shoal, species, traits)
-        usual = _usual(shoal, species, traits, world.state.fishes.length[these])
+        shoal = _common(world, shoal, these, traits)
+        usual = _usual(world, shoal, these, traits)
         differs = {key: _unlike(traits[key], usual[key]) for key in traits}
         for i in range(shoal.number):
             table = given.get(first + i, IndividualTable(fish=first + i))
@@ -110,12 +115,16 @@ def _traits(world: World, these: slice) -> Columns:
         "kind": minds.kind[these], "male": minds.male[these], "likes": minds.likes[these],
         "schooling": minds.schools[these], "appetite": minds.appetite[these],
         "digestion": minds.digestion[these], "libido_rate": minds.libido_rate[these],
-        "dread_cm": minds.dread[these],
+        "dread_cm": minds.dread[these], "dusk": minds.dusk[these], "mild": minds.mild[these],
+        **{name: getattr(minds, name)[these] for name in TRAITS_OF_CHARACTER},
     }  # fmt: skip
 
 
-def _usual(shoal: Shoal, species: Species, traits: Columns, length: NDArray[Any]) -> Columns:
-    """Return the traits that a shoal's table gives to fishes of given lengths and kinds."""
+def _usual(world: World, shoal: Shoal, these: slice, traits: Columns) -> Columns:
+    """Return the traits that a shoal's table gives to its fishes, of the kinds in `traits`."""
+    species = world.species[world.scenario.species.index(shoal.species)]
+    character = character_of(shoal, species, world.state.seed, these.start, shoal.number)
+    appetite = appetite_of(world.state.fishes.length[these], traits["kind"])
     schooling = species.schooling if shoal.schooling is None else shoal.schooling
     rates = {
         key: usual if getattr(shoal, key) is None else getattr(shoal, key)
@@ -126,21 +135,26 @@ def _usual(shoal: Shoal, species: Species, traits: Columns, length: NDArray[Any]
         "male": males_of(shoal, shoal.number),
         "likes": np.tile([name in shoal.likes for name in HABITS], (shoal.number, 1)),
         "schooling": np.full(shoal.number, schooling),
-        "appetite": appetite_of(length, traits["kind"]).astype(np.float32),
+        "appetite": np.float32(appetite) * character["appetite"],
+        **{name: character[name] for name in TRAITS_OF_CHARACTER},
         **{key: np.full(shoal.number, rate, np.float32) for key, rate in rates.items()},
     }
 
 
-def _common(shoal: Shoal, species: Species, traits: Columns) -> Shoal:
+def _common(world: World, shoal: Shoal, these: slice, traits: Columns) -> Shoal:
     """Give a shoal the traits that all of its fishes share, where its table has others."""
     if not shoal.number:
         return shoal
-    usual = _usual(shoal, species, traits, np.zeros(shoal.number))
-    for key in ("kind", "likes", "schooling", *RATES):
+    usual = _usual(world, shoal, these, traits)
+    for key in ("kind", "likes", "schooling", *RATES, *TRAITS_OF_CHARACTER):
         values = traits[key]
         alike = not _unlike(values, np.broadcast_to(values[0], values.shape)).any()
         if alike and _unlike(values, usual[key]).all():
-            shoal = replace(shoal, **{key: _plain(key, values[0])})
+            value = _plain(key, values[0])
+            if key in TRAITS_OF_CHARACTER:
+                low, high = MEAN_RANGE
+                value = (min(max(value, low), high), 0.0)
+            shoal = replace(shoal, **{key: value})
     males = traits["male"]
     if males.all() != males.any() or not _unlike(males, usual["male"]).any():
         return shoal

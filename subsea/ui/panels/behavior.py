@@ -1,4 +1,4 @@
-"""Behavior (Tu fig. 9.4) and habits: mental state, temperament, sex and likings of a fish."""
+"""Behavior (Tu fig. 9.4) and habits: mental state, temper, character and likings of a fish."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from subsea.behavior.mental_state import HABITS, apply_individual
 from subsea.behavior.table import INTENTIONS
-from subsea.dive.minds_text import SPAN, Chart, focus
+from subsea.dive.minds_text import SPAN, Chart, feelings, focus
+from subsea.fish.character import TRAIT_RANGE
 from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, KINDS, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, WARM, button, colour
@@ -46,6 +47,8 @@ NATURE = (
     Slider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
     Slider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
     Slider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
+    Slider("dusk", "dark is below, share of the light", 0.0, 1.0, "%.2f"),
+    Slider("mild", "cold is below, share of the warmth", 0.0, 1.0, "%.2f"),
 )
 """Constants of all fishes: members of `state.Nature`."""
 
@@ -208,6 +211,19 @@ def ordered(nature: Nature, name: str, value: float) -> Nature:
     return nature
 
 
+CHARACTER = (
+    Slider("timidity", "timidity", *TRAIT_RANGE, "%.2f", LOGARITHMIC,
+           "keeps farther from collisions, predators and the submarine"),
+    Slider("activity", "activity", *TRAIT_RANGE, "%.2f", LOGARITHMIC,
+           "swims faster and pauses less"),
+    Slider("sociability", "sociability", *TRAIT_RANGE, "%.2f", LOGARITHMIC,
+           "keeps nearer to its companions"),
+    Slider("devotion", "devotion", *TRAIT_RANGE, "%.2f", LOGARITHMIC,
+           "keeps its target, though another is nearer"),
+    Slider("appetite", "appetite, meals", 1.0, 60.0, "%.1f", CLAMP, "eats more before it is full"),
+)  # fmt: skip
+"""Traits of one fish: keys of `Individual`; 1 is the usual fish."""
+
 PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # pairs of columns of `minds.likes`
 INDENT = 7.0  # of choices, in heights of letters
 
@@ -220,7 +236,10 @@ class HabitsScope:
 
 
 def habits_panel(context: PanelContext) -> None:
-    """Draw the panel of habits (Tu fig. 9.5): sex, kind and likings of a fish or its species."""
+    """Draw the panel of habits (Tu fig. 9.5): sex, kind, likings and character of a fish.
+
+    Settings may be for all of its species. What it feels for others is listed.
+    """
     fish = choose_fish(context)
     if fish is None:
         return
@@ -257,6 +276,16 @@ def habits_panel(context: PanelContext) -> None:
             imgui.text_disabled("doesn't care")
         else:
             imgui.new_line()
+    imgui.separator()
+    imgui.push_item_width(0.5 * WIDE * imgui.get_font_size())
+    for slider in CHARACTER:
+        if (value := slider.draw(float(getattr(minds, slider.name)[fish]))) is not None:
+            _set_habits(context, fish, **{slider.name: value})
+    imgui.pop_item_width()
+    imgui.separator()
+    _row("feelings")
+    for line in feelings(world, fish) or ["none"]:
+        imgui.text_disabled(line)
 
 
 def _row(name: str) -> None:

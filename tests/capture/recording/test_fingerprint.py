@@ -4,6 +4,7 @@ from msgspec import structs
 
 from capture.recording import fingerprint as module
 from capture.recording.fingerprint import code_of, fingerprint
+from subsea.fish.character import CharacterPlan
 from subsea.fish.species import load_species
 
 
@@ -13,9 +14,11 @@ def test_it_depends_on_plans_and_code_and_not_on_names_and_colours(monkeypatch):
     assert body is not None
     renamed = structs.replace(species, name="Redback fusilier", kind="pacifist")
     repainted = structs.replace(species, skin=structs.replace(skin, gloss=0.1))
+    shy = structs.replace(species, character=CharacterPlan(timidity=(2.0, 0.0)))
     heavier = structs.replace(species, body=structs.replace(body, water_drag=1.01))
     alone = structs.replace(species, schooling=False)
     assert fingerprint(species) == fingerprint(renamed) == fingerprint(repainted)
+    assert fingerprint(shy) == fingerprint(species)
     before = {fingerprint(one) for one in (species, heavier, alone)}
     assert len(before) == 3
     now = fingerprint(species)

@@ -1,0 +1,56 @@
+"""Habits of light and warmth of a fish, and the range of both in a sea (Tu §7.3)."""
+
+import numpy as np
+
+from subsea.base.arrays import Array
+from subsea.kernels import kernel
+from subsea.state.groups import Minds, Nature
+
+
+@kernel
+def wish(minds: Minds, i: int, more: int, less: int) -> float:
+    """Return 1 if fish i likes `more` of something, -1 if it likes `less`, 0 for neither or both.
+
+    A direction may have set its habits.
+    """
+    return (1.0 if _likes(minds, i, more) else 0.0) - (1.0 if _likes(minds, i, less) else 0.0)
+
+
+@kernel
+def _likes(minds: Minds, i: int, habit: int) -> bool:
+    """True if fish i has a habit, its own or one set by a direction."""
+    fancy = int(minds.fancy[i])
+    return bool(minds.likes[i, habit]) if fancy < 0 else (fancy >> habit) & 1 == 1
+
+
+@kernel
+def dusk_of(minds: Minds, i: int, nature: Nature) -> float:
+    """Return the share of the sea's range of light below which it is dark for fish i."""
+    return float(minds.dusk[i]) if minds.dusk[i] >= 0.0 else nature.dusk
+
+
+@kernel
+def mild_of(minds: Minds, i: int, nature: Nature) -> float:
+    """Return the share of the sea's range of temperature below which it is cold for fish i."""
+    return float(minds.mild[i]) if minds.mild[i] >= 0.0 else nature.mild
+
+
+@kernel
+def share_of_light(light: float, climate: Array) -> float:
+    """Return where a brightness lies between those at the bottom, 0, and at the surface, 1."""
+    darkest = np.exp(-climate[2] / climate[3])
+    return (light - darkest) / max(1.0 - darkest, 1e-9)
+
+
+@kernel
+def share_of_warmth(temperature: float, climate: Array) -> float:
+    """Return where a temperature lies between the lowest of the sea, 0, and the highest, 1."""
+    low, high = min(climate[0], climate[1]), max(climate[0], climate[1])
+    return (temperature - low) / max(high - low, 1e-9)
+
+
+@kernel
+def depth_of_light(share: float, climate: Array) -> float:
+    """Return the depth, cm, at which the light has fallen to a share of its range."""
+    darkest = np.exp(-climate[2] / climate[3])
+    return -climate[3] * np.log(darkest + share * (1.0 - darkest))
