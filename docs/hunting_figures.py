@@ -1,6 +1,8 @@
-"""Figures of behavior-figures.md: `python docs/hunting_figures.py preying|go-fish [SEEDS]`.
+"""Figures of behavior-figures.md: `python docs/hunting_figures.py SCENARIO [SEEDS]`.
 
-Runs the scenario with seeds 1 to SEEDS (10) and prints a line for each.
+Runs a scenario with seeds 1 to SEEDS (10) and prints a line for each: `preying`, `go-fish`, or the
+hunts of `preying`, `rendezvous`, `visitors`, `peaceful` (with a shark) and `pack` (three sharks and
+schools among pillars) as `hunts:preying` and so on.
 """
 
 import sys
@@ -8,8 +10,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
+from subsea.lab.hunting import Hunts, hunts
+from subsea.lab.simulate import live_records
 from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Scenario, Shoal
 from subsea.state import EAT, ESCAPE, FEAR, HOOKED, LANDED, PACIFIST, PREDATOR, PREY
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
@@ -68,6 +74,59 @@ def preying(seed: int, seconds: float = SECONDS["preying"]) -> dict[str, Any]:
     }
 
 
+SHARK = "blacktip_reef_shark"
+MINUTES = {"rendezvous": 1.2}  # of a run; others take three
+
+
+def scene(name: str) -> Scenario:
+    """Load the scenario for the measures of hunts, with the predators that its name promises."""
+    if name == "peaceful":
+        bay = load_scenario(name)[0]
+        shark = Shoal(species=SHARK, number=1, position_cm=(500.0, 300.0, -250.0), hunger=1.0)
+        return replace(bay, fish=[*bay.fish, shark])
+    if name == "pack":
+        pillars = load_scenario("schooling")[0]
+        sharks = [
+            Shoal(species=SHARK, number=1, size_cm=(size, size + 2.0), hunger=0.9, spread_cm=200.0,
+                  position_cm=(600.0, -300.0 + 300.0 * k, -300.0))
+            for k, size in enumerate((115.0, 135.0, 155.0))
+        ]  # fmt: skip
+        return replace(pillars, fish=[*pillars.fish, *sharks])
+    return load_scenario(name)[0]
+
+
+def hunts_of(name: str, seed: int) -> Hunts:
+    """Measure the hunts of the first minutes of a scenario."""
+    ticks = round(60.0 * MINUTES.get(name, 3.0) / TICK_S)
+    (record,) = live_records(create_world(scene(name), seed=seed), ticks, 10**9)
+    return hunts(record)
+
+
+def row_of(found: Hunts) -> dict[str, Any]:
+    """Sum up the hunts of a run."""
+    rushes = found.rushes
+    close = [rush for rush in rushes if rush.close and rush.school]
+    return {
+        "patrol": f"{found.patrol_share:.0%} at {found.patrol_bl_s:.2f} L/s",
+        "rushes": len(rushes),
+        "close at a school": len(close),
+        "first s": round(rushes[0].start_s) if rushes else None,
+        "first close at a school s": round(close[0].start_s) if close else None,
+        "caught s": [round(at) for at in found.caught_s],
+        "hits": sum(rush.hit for rush in rushes),
+        "below or behind": sum(rush.below or rush.behind for rush in rushes),
+        "from L": _range([rush.start_bl for rush in rushes]),
+        "for s": _range([rush.duration_s for rush in rushes]),
+        "peak L/s": _range([rush.peak_bl_s for rush in rushes]),
+        "gap cm": round(found.least_gap_cm, 1),
+    }
+
+
+def _range(values: list[float]) -> str:
+    """Write the least, median and greatest of some values."""
+    return "/".join(f"{np.percentile(values, q):.1f}" for q in (0, 50, 100)) if values else "-"
+
+
 def go_fish(seed: int, seconds: float = SECONDS["go-fish"]) -> dict[str, Any]:
     """Print when the first fish bit and when it was removed."""
     bitten = landed = None
@@ -86,12 +145,14 @@ def main() -> None:
     """Print a line for each seed."""
     name = sys.argv[1] if len(sys.argv) > 1 else ""
     measures = {"preying": preying, "go-fish": go_fish}
-    if name not in measures:
+    of_hunts = name.removeprefix("hunts:") if name.startswith("hunts:") else ""
+    if name not in measures and not of_hunts:
         raise SystemExit(__doc__)
     seeds = range(1, 1 + (int(sys.argv[2]) if len(sys.argv) > 2 else 10))
     rows = []
     for seed in seeds:
-        rows.append(measures[name](seed))
+        of_run = row_of(hunts_of(of_hunts, seed)) if of_hunts else measures[name](seed)
+        rows.append(of_run)
         print(seed, rows[-1], flush=True)
     if name == "preying":
         for who in ("schooling", "stragglers"):

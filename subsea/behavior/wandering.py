@@ -99,15 +99,19 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
 def _along_ground(fishes: Fishes, minds: Minds, i: int, sea: Sea, toward: Vector) -> Vector:
     """Way to a waypoint that keeps its height over the ground, in a wide arc.
 
-    The higher ground counts, below the fish or ahead of it.
+    The higher ground counts, below the fish or ahead of it. Toward the wall the fish turns as hard
+    as it can.
     """
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
     course = np.arctan2(ahead[1], ahead[0])
     turn = np.arctan2(toward[1], toward[0]) - course
     turn -= 2.0 * np.pi * np.round(turn / (2.0 * np.pi))
-    course += min(max(turn, -GENTLE_RAD), GENTLE_RAD)
-    x, y = np.cos(course), np.sin(course)
     reach = AHEAD_BL * float(fishes.length[i])
+    x, y = here[0] + reach * np.cos(course), here[1] + reach * np.sin(course)
+    edge = sea.radius - BERTH_BL * float(fishes.length[i])
+    hardest = GENTLE_RAD if x * x + y * y < edge * edge else np.pi
+    course += min(max(turn, -hardest), hardest)
+    x, y = np.cos(course), np.sin(course)
     ground = max(
         height_at(sea.floor, sea.half_width, here[0], here[1]),
         height_at(sea.floor, sea.half_width, here[0] + reach * x, here[1] + reach * y),

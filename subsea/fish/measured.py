@@ -113,6 +113,8 @@ class PredationFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     """Attacks on single fishes and on groups."""
 
     catches: MeasuredRange  # of one shark in three minutes
+    rushes: MeasuredRange  # at close range in three minutes, of a sea made for hunts
+    first: MeasuredRange  # start of the first of them, s
     confusion: MeasuredRange  # captures per attack on groups of 20, over those on single fishes
 
 

@@ -14,7 +14,7 @@ from subsea.media.record import Record
 from subsea.state import FEAR, PREDATOR, PREY
 
 SHORT_S = 0.5  # a bout of intention below this duration is short
-REACTIONS = ("avoid", "escape", "struggle")  # intentions that answer a danger
+REACTIONS = ("avoid", "escape", "struggle", "shelter", "yield")  # intentions that answer a danger
 ALARMED_SCHOOL = "school"  # answers a danger, too, where fear is alarming
 NEAR_CM = 400.0  # a predator nearer than this causes half of the greatest fear (Tu §7.4)
 FIELD_DEG = 150.0  # half of the field of view (Tu §6.3)

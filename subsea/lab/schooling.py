@@ -16,8 +16,6 @@ from subsea.state import AVOID, ESCAPE, FEAR, SCHOOL
 LINK_BL = 4.0  # fishes of a school within this distance are connected
 WHOLE = 0.9  # least connected share of a whole school
 SPLIT_S = 0.5  # minimum duration of a split
-# States of a school (Tunstrøm et al. 2013): polarised, milling, swarm, by order above and below.
-HIGH_ORDER, LOW_ORDER = 0.65, 0.35
 DISORDER = 0.5  # polarisation below which Etroplus schools are for 20 to 37% of the time
 
 
@@ -30,7 +28,8 @@ class School(NamedTuple):
     calm: Bools  # (k,), whether none of them is alarmed
     cruises: Bools  # (k,), whether at least half of them school, and none is alarmed
     polarisation: Array  # (k,) length of the mean heading of those that school
-    rotation: Array  # (k,) order of their rotation about their middle, seen from above
+    rotation: Array  # (k,) how much they circle their middle, seen from above: 0 to 1
+    course: Array  # (k,) rad, direction of their mean heading, left of the x axis
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
     together: Array  # (k,) share of those that school in the largest connected part
     distances: Array  # every such distance while it cruises, body lengths
@@ -59,7 +58,7 @@ def schools(record: Record) -> list[School]:
 
 
 def _school(record: Record, leader: int, every: int) -> School:
-    rows: list[tuple[float, int, bool, bool, float, float, float, float]] = []
+    rows: list[tuple[float, int, bool, bool, float, float, float, float, float]] = []
     distances: list[Array] = []
     for t in range(0, len(record.time), every):
         those = record.alive[t] & (record.leader[t] == leader)
@@ -72,45 +71,52 @@ def _school(record: Record, leader: int, every: int) -> School:
             continue
         calm = bool(record.mental_state[t, members, FEAR].max() <= record.alarmed)
         cruises = calm and bool(2 * ((doing == SCHOOL) | led).sum() >= len(members))
-        ahead = headings(record.orientation[t, schooling])
-        place = record.position[t, schooling].astype(np.float64)
-        nearest, together = _spread(place, record.length[schooling], LINK_BL)
+        ahead, place = headings(record.orientation[t, schooling]), record.position[t, schooling]
+        mean = ahead.mean(axis=0)
+        nearest, together = _spread(place.astype(np.float64), record.length[schooling], LINK_BL)
         if cruises:
             distances.append(nearest)
         rows.append((
-            float(record.time[t]), len(members), calm, cruises,
-            float(np.linalg.norm(ahead.mean(axis=0))), rotation_order(place, ahead),
+            float(record.time[t]), len(members), calm, cruises, float(np.linalg.norm(mean)),
+            rotation_of(place.astype(np.float64), ahead), float(np.arctan2(mean[1], mean[0])),
             float(np.median(nearest)), together,
         ))  # fmt: skip
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 8
-    fields = dict(zip(School._fields[1:9], columns, strict=True))
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 9
+    fields = dict(zip(School._fields[1:10], columns, strict=True))
     nearby = np.concatenate(distances) if distances else np.zeros(0)
     return School(leader=leader, **fields, distances=nearby)
 
 
-def rotation_order(place: Array, ahead: Array) -> float:
-    """Measure the order of rotation of fishes about their middle, 0 to 1, seen from above.
+def rotation_of(place: Array, ahead: Array) -> float:
+    """Measure how much m fishes at places (m, 3) with headings (m, 3) circle their middle.
 
-    It is the length of the mean of r × u over all fishes, for unit vectors r from the middle of
-    the `place`s (m, 3) and headings u = `ahead` (m, 3) (Tunstrøm et al. 2013).
+    It is the mean over the fishes of the sine between the way from the middle and the heading, both
+    seen from above: 1 for a ring that turns one way (Tunstrøm et al. 2013).
     """
-    out, way = (place - place.mean(axis=0))[:, :2], ahead[:, :2]
-    sizes = np.linalg.norm(out, axis=1) * np.linalg.norm(way, axis=1)
-    turning = (out[:, 0] * way[:, 1] - out[:, 1] * way[:, 0]) / np.maximum(sizes, 1e-9)
-    return float(abs(turning.mean()))
+    out = (place - place.mean(axis=0))[:, :2]
+    across = out[:, 0] * ahead[:, 1] - out[:, 1] * ahead[:, 0]
+    sizes = np.linalg.norm(out, axis=1) * np.linalg.norm(ahead[:, :2], axis=1)
+    return float(abs((across / np.maximum(sizes, 1e-9)).mean()))
 
 
-def state_shares(polarisation: Array, rotation: Array) -> Array:
-    """Measure the shares (3,) of samples (k,) of a school that is polarised, mills or swarms.
+# Order and disorder of the three states (Tunstrøm et al. 2013).
+HIGH, LOW = 0.65, 0.35
 
-    The rest is in between (Tunstrøm et al. 2013). NaN without samples.
+
+def states(school: School) -> dict[str, float]:
+    """Measure the shares of the samples in which a school is polarised, mills or is a swarm.
+
+    In the rest of the samples it is between the states, and not alarmed in any.
     """
-    if not len(polarisation):
-        return np.full(3, np.nan)
-    polarised = (polarisation > HIGH_ORDER) & (rotation < LOW_ORDER)
-    mills = (polarisation < LOW_ORDER) & (rotation > HIGH_ORDER)
-    swarms = (polarisation < LOW_ORDER) & (rotation < LOW_ORDER)
-    return np.array([polarised.mean(), mills.mean(), swarms.mean()])
+    calm = school.calm
+    order, turning = school.polarisation[calm], school.rotation[calm]
+    if not len(order):
+        return {"polarised": 0.0, "milling": 0.0, "swarm": 0.0}
+    return {
+        "polarised": float(((order > HIGH) & (turning < LOW)).mean()),
+        "milling": float(((order < LOW) & (turning > HIGH)).mean()),
+        "swarm": float(((order < LOW) & (turning < LOW)).mean()),
+    }
 
 
 @kernel
@@ -278,7 +284,7 @@ def _measured(record: Record, school: School) -> Schooling:
         float(np.median(order)) if len(order) else np.nan,
         float((order < DISORDER).mean()) if len(order) else np.nan,
         float(np.median(school.rotation[cruises])) if len(order) else np.nan,
-        state_shares(order, school.rotation[cruises]),
+        np.array([*states(school._replace(calm=school.calm.astype(bool))).values()]),
         float(np.median(near)) if len(near) else np.nan,
         float(np.percentile(near, 5)) if len(near) else np.nan,
         height,
@@ -318,10 +324,7 @@ def _joined(parts: Sequence[Schooling]) -> Schooling:
     columns = {name: [getattr(one, name) for one in parts] for name in Schooling._fields}
     joint: dict[str, Any] = {name: _median(columns[name]) for name in MEDIANS}
     joint |= {name: np.concatenate(columns[name]) for name in ("time", "together", "calm")}
-    joint |= {name: np.mean(columns[name], axis=0) for name in ("bearing", "sector")}
-    states = np.array(columns["states"])
-    known = states[np.isfinite(states).all(axis=1)]
-    joint["states"] = known.mean(axis=0) if len(known) else states[-1]
+    joint |= {name: np.mean(columns[name], axis=0) for name in ("bearing", "sector", "states")}
     joint["rhythm"] = Rhythm(*map(_median, zip(*columns["rhythm"], strict=True)))
     return parts[-1]._replace(fishes=max(columns["fishes"]), **joint)
 

@@ -30,7 +30,8 @@ from subsea.fish.measured import (
 from subsea.fish.species import load_species, shipped_species
 from subsea.habitat.day import hour_at
 from subsea.jobs.workers import Check, Pool
-from subsea.lab import measures, minds, schooling, swimming, whereabouts
+from subsea.lab import hunt_findings, hunting, measures, minds, schooling, swimming, whereabouts
+from subsea.lab.hunting import Hunts
 from subsea.lab.measures import Outside, Predation
 from subsea.lab.mind_findings import budget_lines, budgets, mind_findings
 from subsea.lab.minds import MindMeasures
@@ -41,6 +42,7 @@ from subsea.lab.whereabouts import Whereabouts
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario, scenario_names
+from subsea.state import PREDATOR
 from subsea.world.world import TICK_S, World
 
 CROWD = {"open-ocean": 3000}  # fishes of a scenario that has more
@@ -82,6 +84,7 @@ class SeaMeasures(NamedTuple):
     predation: Predation
     minds: MindMeasures | None = None
     places: Mapping[str, Whereabouts] = {}  # by name of the species' file
+    hunts: Hunts | None = None  # of a sea with hunters
 
 
 def default_scenarios() -> list[str]:
@@ -137,6 +140,7 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
     schools: list[Schooling] = []
     beyond: list[Outside] = []
     hunts: list[Predation] = []
+    rushes: list[Hunts] = []
     thoughts: list[MindMeasures] = []
     places: dict[str, list[Whereabouts]] = {}
     water = world.scenario.water
@@ -146,6 +150,8 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
         schools += schooling.schooling(record)
         beyond += measures.outside(record)
         hunts.append(measures.predation(record))
+        if (record.kind == PREDATOR).any():
+            rushes.append(hunting.hunts(record))
         hours = [hour_at(water.hour, water.day_minutes, float(second)) for second in record.time]
         thoughts.append(minds.mind_measures(record, np.array(hours)))
         for name, place in whereabouts.whereabouts(record).items():
@@ -158,6 +164,7 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
         measures.joined(hunts),
         minds.joined(thoughts),
         {name: whereabouts.joined(parts) for name, parts in places.items()},
+        hunt_findings.joined(rushes) if rushes else None,
     )
 
 
@@ -207,6 +214,7 @@ class Summary(NamedTuple):
     catches: dict[str, list[float]]  # of each predator, by label
     minds: dict[str, MindMeasures]  # by label
     places: dict[str, Whereabouts]
+    rushes: dict[str, list[Hunts]]  # by label
 
 
 def summarise(done: Done) -> Summary:
@@ -214,8 +222,8 @@ def summarise(done: Done) -> Summary:
     swims: dict[str, list[Swimming]] = {}
     thoughts: dict[str, list[MindMeasures]] = {}
     places: dict[str, list[Whereabouts]] = {}
-    found = Summary({}, {}, {}, {}, {}, {})
-    for trial, (swim, schools, _, hunt, mind, where) in done:
+    found = Summary({}, {}, {}, {}, {}, {}, {})
+    for trial, (swim, schools, _, hunt, mind, where, rushes) in done:
         if trial.hunt:
             attacks, captures = found.hunts.get(trial.size, (0, 0))
             found.hunts[trial.size] = attacks + hunt.attacks, captures + hunt.captures
@@ -226,6 +234,8 @@ def summarise(done: Done) -> Summary:
             places.setdefault(name, []).append(place)
         if mind:
             thoughts.setdefault(trial.label, []).append(mind)
+        if rushes:
+            found.rushes.setdefault(trial.label, []).append(rushes)
         if schools:
             found.schools.setdefault(trial.label, []).extend(schools)
         if hunt.catches:
@@ -250,6 +260,8 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     for name, place in found.places.items():
         rows.extend(_places(name, place, table))
     rows.extend(_hunting(found, table))
+    for label, rushes in found.rushes.items():
+        rows.extend(hunt_findings.hunt_findings(label, rushes, table.predation, label == HUNT))
     for label, mind in found.minds.items():
         rows.extend(mind_findings(label, mind, table))
     rows.extend(_bounds(done))

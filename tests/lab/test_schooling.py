@@ -9,12 +9,12 @@ from subsea.lab.schooling import (
     SECTORS,
     joined,
     proportions,
-    rotation_order,
+    rotation_of,
     schooling,
     schools,
     split_periods,
     splits,
-    state_shares,
+    states,
 )
 from subsea.state import EAT, FEAR, SCHOOL, WANDER
 from tests.support.records import EAST, LENGTH, NORTH, a_record, row
@@ -160,17 +160,21 @@ def ring(n=12):
 
 def test_a_mill_rotates_and_a_file_does_not():
     place, along = ring()
-    assert rotation_order(place, along) == pytest.approx(1.0)
-    assert rotation_order(place, -along) == pytest.approx(1.0)
-    assert rotation_order(place, np.tile([1.0, 0, 0], (12, 1))) == pytest.approx(0.0, abs=1e-9)
-    assert rotation_order(place, place / 100.0) == pytest.approx(0.0, abs=1e-9)
+    assert rotation_of(place, along) == pytest.approx(1.0)
+    assert rotation_of(place, -along) == pytest.approx(1.0)
+    assert rotation_of(place, np.tile([1.0, 0, 0], (12, 1))) == pytest.approx(0.0, abs=1e-9)
+    assert rotation_of(place, place / 100.0) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_states_are_told_by_both_orders():
-    polarisation = np.array([0.9, 0.9, 0.1, 0.2, 0.5, 0.9])
-    rotation = np.array([0.1, 0.2, 0.9, 0.1, 0.5, 0.5])
-    assert state_shares(polarisation, rotation) == pytest.approx([2 / 6, 1 / 6, 1 / 6])
-    assert np.isnan(state_shares(np.zeros(0), np.zeros(0))).all()
+    (school,) = schools(a_school(row(5, 1.2), ticks=12))
+    school = school._replace(
+        polarisation=np.array([0.9, 0.9, 0.1, 0.2, 0.5, 0.9]),
+        rotation=np.array([0.1, 0.2, 0.9, 0.1, 0.5, 0.5]),
+        calm=np.array([True, False, True, True, True, True]),
+    )
+    assert states(school) == pytest.approx({"polarised": 0.2, "milling": 0.2, "swarm": 0.2})
+    assert set(states(school._replace(calm=np.zeros(6, bool))).values()) == {0.0}
 
 
 def test_a_school_of_fishes_on_a_circle_mills():
