@@ -311,7 +311,9 @@ class Sea(NamedTuple):
     ]
 
     plankton: Annotated[F32, habitat("p", 3, unit="cm"), "places of specks"]
-    absent: Annotated[F32, water("p", unit="s"), "time until an eaten speck is back"]
+    absent: Annotated[
+        F32, water("p", unit="s"), "time until an eaten speck is back; negative: it sinks"
+    ]
     seaweed: Annotated[F32, habitat("c", 6, unit="cm"), "bounding box of each cluster: low, high"]
 
     submarine: Annotated[F64, written_by("world")(9), "cm, cm/s, unit vector ahead"]
