@@ -25,7 +25,7 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 # Controls that act once, when an input goes down.
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
-    "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
+    "lights", "feed", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
     "picture", "film", "mute", "louder", "quieter", "language", "recentre", "cue", "leave",
 ]  # fmt: skip
 ControlName = Action | Command
@@ -73,6 +73,7 @@ CONTROLS: dict[ControlName, Control] = {
     "alight": Control("leave the fish; its inputs may mean something else elsewhere",
                       ("Esc", "pad B")),
     "lights": Control("the submarine's lights", ("B", "pad up", "pad left bumper")),
+    "feed": Control("scatter food for the fishes", ("V",)),
     "instruments": Control("show or hide the instruments", ("U",)),
     "fullscreen": Control("full screen, and back", ("F", "F11")),
     "pause": Control("let time stand still, and go on", ("K",)),
@@ -248,8 +249,8 @@ USUAL = bindings_of({})
 
 # Commands of visitors; in a kiosk all others have no inputs.
 KIOSK_COMMANDS: tuple[Command, ...] = (
-    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "language", "cue",
-    "leave",
+    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "feed", "language",
+    "cue", "leave",
 )  # fmt: skip
 
 Pixels = Annotated[int, Meta(ge=64, le=8192)]

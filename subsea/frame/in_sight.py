@@ -53,7 +53,7 @@ def plankton_in_sight(
     for v in range(number):
         for i in range(len(plankton)):
             x, y, z = plankton[i, 0], plankton[i, 1], plankton[i, 2]
-            if absent[i] == 0.0 and (
+            if absent[i] <= 0.0 and (
                 not culling
                 or (
                     in_frustum(views[0], v, x, y, z, SPECK_CM)

@@ -39,6 +39,7 @@ def departures(depth_cm: float, rate: float, size: float, number: int) -> tuple[
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # how long a speck keeps its random direction
+SINK_CM_S, SINKS_S = 4.0, 25.0  # how fast and how long food from the submarine sinks
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
 RETURN_CM, RETURN_HEIGHT_CM = 200.0, 100.0  # range around its end in which a speck returns
 # Keys of the random numbers.
@@ -91,7 +92,8 @@ def drift(who: Ints, sea: Sea, cells: RockCells, flow: Array, clock: Clock) -> N
 
     A speck that leaves the cylinder enters on the other side. One that was eaten returns after its
     absence near the same place: the oscillating current brings nothing from afar, and feeding
-    grounds would be empty in half an hour. Specks do not enter solids.
+    grounds would be empty in half an hour. Food from the submarine sinks for a while. Specks do
+    not enter solids.
     """
     uniform_flow = vector(flow)
     for k in who:
@@ -111,6 +113,9 @@ def drift(who: Ints, sea: Sea, cells: RockCells, flow: Array, clock: Clock) -> N
             WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_Y) - 1.0),
             WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_Z) - 1.0),
         )
+        if sea.absent[k] < 0.0:
+            sea.absent[k] = min(sea.absent[k] + np.float32(clock.dt), np.float32(0.0))
+            own = (own[0], own[1], own[2] - SINK_CM_S)
         here = vector(sea.plankton[k])
         velocity = plus(flow_near(sea.pillars, cells, uniform_flow, here), own)
         x, y, z = plus(here, times(clock.dt, velocity))

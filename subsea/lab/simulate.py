@@ -238,7 +238,7 @@ def _note(world: World, block: Rows, row: int) -> None:
     block["fish/mental_state"][row] = state.minds.mental
     for name in ("intention", "leader", "target", "partner", "courtship", "last_meal"):
         block[f"fish/{name}"][row] = getattr(state.minds, name)
-    block["plankton/count"][row] = (state.sea.absent == 0.0).sum()
+    block["plankton/count"][row] = (state.sea.absent <= 0.0).sum()
     block["submarine/position"][row] = state.submarine.position
 
 

@@ -421,7 +421,7 @@ def _misplaced(world: World) -> Iterator[str]:
         yield f"{names[k]} is out of the sea, at {_words(places[k])}"
     for k in np.flatnonzero(deep > allowed):
         yield f"{names[k]} is {deep[k]:.0f} cm inside rock, at {_words(places[k])}"
-    there = sea.plankton[sea.absent == 0.0]
+    there = sea.plankton[sea.absent <= 0.0]
     for k in np.flatnonzero(out_of_sea(there, sea))[:1]:
         yield f"a speck of plankton is out of the sea, at {_words(there[k])}"
 

@@ -314,7 +314,9 @@ class Sea(NamedTuple):
     ]
 
     plankton: Annotated[F32, habitat("p", 3, unit="cm"), "places of specks"]
-    absent: Annotated[F32, water("p", unit="s"), "time until an eaten speck is back"]
+    absent: Annotated[
+        F32, water("p", unit="s"), "time until an eaten speck is back; negative: it sinks"
+    ]
     seaweed: Annotated[F32, habitat("c", 6, unit="cm"), "bounding box of each cluster: low, high"]
 
     sky: Annotated[

@@ -10,6 +10,7 @@ from subsea.dive.settings import Command, ControlName, key_words
 from subsea.dive.timeline import Timeline
 from subsea.view.front_screen import front_view
 from subsea.view.retina import Gaze
+from subsea.world.feeding import scatter_food
 from subsea.world.world import TICK_S
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class Commands:
             "pattern": self._toggle_pattern,
             "quality": self._next_quality,
             "lights": self._toggle_lights,
+            "feed": self._feed,
             "picture": dive.take_picture,
             "film": lambda: dive.shots.film(dive.window.size),
             "instruments": lambda: self._note_instruments(),
@@ -131,6 +133,15 @@ class Commands:
         lights[:] = ~lights
         if dive.timeline is not None:
             dive.timeline.touch()
+
+    def _feed(self) -> None:
+        """Scatter food before the submarine; not where several computers show the dive."""
+        dive = self._dive
+        if dive.timeline is None:
+            dive.overlay.note(translated("no food here: several computers show this dive"))
+        elif scatter_food(dive.world):
+            dive.timeline.touch()
+            dive.overlay.note(translated("food for the fishes"))
 
     def _change_time(self, act: Callable[[Timeline], None]) -> None:
         if self._dive.timeline is None:

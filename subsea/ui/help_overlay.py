@@ -36,6 +36,7 @@ PAIRS: tuple[tuple[tuple[ControlName, ...], str], ...] = (
     (("follow",), marked("follow a fish")),
     (("reins",), marked("steer the fish")),
     (("lights",), marked("lights")),
+    (("feed",), marked("feed the fishes")),
     (("desk",), marked("panels")),
     (("menu",), marked("menu")),
     (("language",), marked("language")),
@@ -53,7 +54,7 @@ WORN = (
     marked("A: stop, Y: ride a fish, B: leave it, menu button: menu"),
 )
 """The lines for a new visitor in a headset."""
-NOT_SHARED: tuple[ControlName, ...] = ("follow", "ride", "reins", "desk")
+NOT_SHARED: tuple[ControlName, ...] = ("follow", "ride", "reins", "feed", "desk")
 """Controls without a function where several computers show the dive."""
 
 

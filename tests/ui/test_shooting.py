@@ -13,6 +13,7 @@ from subsea.dive.settings import PictureSettings, Settings
 from subsea.frame.diagrams import DIAGRAMS
 from subsea.ui.dive import Dive
 from subsea.world import snapshot
+from subsea.world.feeding import PINCH
 from tests.support.windows import dive_options
 
 SIZE = (322, 241)
@@ -180,6 +181,18 @@ def test_a_key_switches_the_lights_and_a_rewind_restores_them(boat, user):
     assert lights[0]
     boat.run_command("lights")
     assert not lights[0]
+
+
+def test_a_key_scatters_food_and_a_rewind_takes_it_back(boat, user):
+    sea = boat.world.state.sea
+    user.glide(boat, 1.2)
+    assert not (sea.absent < 0.0).any()
+    user.do("key", "v")
+    user.until(boat, lambda: (sea.absent < 0.0).any())
+    assert (sea.absent < 0.0).sum() == min(PINCH, len(sea.plankton))
+    boat.run_command("rewind")
+    user.glide(boat, 0.1)
+    assert not (sea.absent < 0.0).any()
 
 
 def test_closing_the_dive_leaves_a_valid_film(boat, user, folder):

@@ -121,7 +121,7 @@ def test_specks_and_surface_that_a_view_does_not_see_leave_no_gap(sea, display, 
     """Leaving them out changes no picture."""
     rig = display_rig(display, (320, 180))
     sea.renderer.arrange(rig)
-    every = np.flatnonzero(sea.world.state.sea.absent == 0.0)
+    every = np.flatnonzero(sea.world.state.sea.absent <= 0.0)
     assert len(every) > 1000
     for pitch in (-0.9, -0.3, 0.4):
         seen = views(rig, sea.observer(0.4, pitch))
