@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
 from subsea.behavior.death import forget
+from subsea.habitat.day import ardour
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
@@ -27,6 +28,7 @@ from subsea.state import (
     Fishes,
     Minds,
     Nature,
+    Sea,
 )
 
 # Tu's p0 = 0.00067 and p1 = 0.0025 per time unit of 0.1 s.
@@ -39,14 +41,16 @@ MATE_STIMULUS = (0.025, 0.1)
 
 @kernel
 def update_mental_state(
-    who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
     """Update `minds.mental` of the fishes `who` from what they perceive and remember.
 
-    Only prey fear, and only pacifists court (Tu §7.9). Digested meals are forgotten. Fear set by
-    a direction replaces that of what is seen.
+    Only prey fear, and only pacifists court (Tu §7.9). Libido is full about dusk, except of a pair
+    that a direction has betrothed. Digested meals are forgotten. Fear set by a direction replaces
+    that of what is seen.
     """
     now = clock.tick * clock.dt
+    season = ardour(sea.sky[0], nature.day_libido)
     for i in who:
         left = 1.0 - minds.digestion[i] * (now - minds.last_meal[i])
         if left <= 0.0:
@@ -59,7 +63,8 @@ def update_mental_state(
         if minds.kind[i] == PACIFIST:
             urge = minds.libido_rate[i] * (now - minds.last_mating[i]) * (1.0 - hunger)
             mate = nature.libido_stimulus * stimulus(minds.mate_distance[i], *MATE_STIMULUS)
-            minds.mental[i, LIBIDO] = min(max(urge + mate, 0.0), 1.0)
+            share = season if minds.betrothed[i] < 0 else 1.0
+            minds.mental[i, LIBIDO] = share * min(max(urge + mate, 0.0), 1.0)
         fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
         minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
 

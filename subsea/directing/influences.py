@@ -22,11 +22,11 @@ from subsea.state import (
     LOOPING,
     NO_COURTSHIP,
     NOBODY,
-    NUZZLING,
     PACIFIST,
     PREDATOR,
     PREY,
     SINKING,
+    SPAWNING,
     STOWED,
 )
 
@@ -297,7 +297,7 @@ def _pair(context: DirectingContext, k: int) -> bool:
         if log.cast[k, 0] < 0:
             return True
     two, other = log.cast[k], log.cast[k, ::-1]
-    spawned = (log.courtship[two] == NUZZLING) & (minds.courtship[two] == NO_COURTSHIP)
+    spawned = (log.courtship[two] == SPAWNING) & (minds.courtship[two] == NO_COURTSHIP)
     just = minds.last_mating[two] >= now_s(context) - 1.5 * context.clock.dt
     if not fishes.alive[two].all() or (spawned & just).all():
         log.stage[k] = OVER

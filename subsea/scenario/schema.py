@@ -351,6 +351,7 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     timidity: Annotated[float, msgspec.Meta(ge=0.1, le=5)] = 1.0
     submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 80.0
     curiosity_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 350.0
+    day_libido: Share = 0.1
 
     def __post_init__(self) -> None:
         """Refuse thresholds in the wrong order (Tu §7.5)."""

@@ -137,7 +137,7 @@ class Fishes(NamedTuple):
     goal_direction: Annotated[F32, behavior("n", 3), "unit vector, world axes"]
     goal_speed: Annotated[F32, behavior("n"), "share of the fast swim's speed; negative retreats"]
     gape: Annotated[F32, behavior("n"), "opening of the mouth asked for, in [0, 1]"]
-    display: Annotated[F32, behavior("n"), "strength of the mating colours, in [0, 1]"]
+    display: Annotated[F32, behavior("n"), "mating colours, to 1; paleness by night, to -1"]
     raised: Annotated[F32, behavior("n"), "raising of dorsal and ventral fin asked for, in [0, 1]"]
 
 
@@ -435,6 +435,7 @@ class Nature(NamedTuple):
     timidity: float  # factor on the collision sensitivity region (Tu §6.6.1)
     submarine_cm: float  # D0 of the submarine for prey: the size of predator that it appears
     curiosity_cm: float  # distance from which the submarine attracts pacifists, 0 for never
+    day_libido: float = 0.1  # share of libido outside dusk
 
 
 class Physics(NamedTuple):

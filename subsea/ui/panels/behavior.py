@@ -46,6 +46,7 @@ NATURE = (
     Slider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
     Slider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
     Slider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
+    Slider("day_libido", "share of libido outside dusk", 0.0, 1.0, "%.2f"),
 )
 """Constants of all fishes: members of `state.Nature`."""
 
