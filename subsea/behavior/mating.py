@@ -150,6 +150,7 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
             minds.last_mating[i] = clock.tick * clock.dt
             minds.last_mating[j] = clock.tick * clock.dt
             for fish in (j, i):
+                minds.ardent[fish] = False
                 low = minds.courtship_mark[fish] - RETURN_BL * fishes.length[fish]
                 _part(fishes, minds, fish)
                 minds.waypoint[fish, 2] = low

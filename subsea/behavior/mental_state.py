@@ -45,9 +45,9 @@ def update_mental_state(
 ) -> None:
     """Update `minds.mental` of the fishes `who` from what they perceive and remember.
 
-    Only prey fear, and only pacifists court (Tu §7.9). Libido is full about dusk, except of a pair
-    that a direction has betrothed. Digested meals are forgotten. Fear set by a direction replaces
-    that of what is seen.
+    Only prey fear, and only pacifists court (Tu §7.9). Libido is full about dusk, except where a
+    direction or a visitor has set it, or betrothed a pair. Digested meals are forgotten. Fear set
+    by a direction replaces that of what is seen.
     """
     now = clock.tick * clock.dt
     season = ardour(sea.sky[0], nature.day_libido)
@@ -63,7 +63,7 @@ def update_mental_state(
         if minds.kind[i] == PACIFIST:
             urge = minds.libido_rate[i] * (now - minds.last_mating[i]) * (1.0 - hunger)
             mate = nature.libido_stimulus * stimulus(minds.mate_distance[i], *MATE_STIMULUS)
-            share = season if minds.betrothed[i] < 0 else 1.0
+            share = 1.0 if minds.ardent[i] or minds.betrothed[i] >= 0 else season
             minds.mental[i, LIBIDO] = share * min(max(urge + mate, 0.0), 1.0)
         fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
         minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
@@ -127,6 +127,7 @@ def apply_individual(fishes: Fishes, minds: Minds, table: IndividualTable, now_s
         minds.eaten[i], minds.last_meal[i] = (1.0 - hunger) * minds.appetite[i], now_s
     if table.libido is not None:
         set_libido(minds, i, hunger, table.libido, now_s)
+        minds.ardent[i] = True
 
 
 def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:

@@ -208,6 +208,7 @@ def _libido(context: DirectingContext, k: int) -> bool:
     hunger = hunger_of(context, cue.who)
     wish = now + _share(context, k) * (cue.direction.libido - now)
     set_libido(minds, cue.who, hunger, wish, now_s(context))
+    minds.ardent[cue.who] = True
     return True
 
 

@@ -226,6 +226,11 @@ class Minds(NamedTuple):
     eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
     last_meal: Annotated[F32, behavior("n", unit="s"), "world time"]
     last_mating: Annotated[F32, behavior("n", unit="s"), "world time"]
+    ardent: Annotated[
+        BOOL,
+        written_by("behavior, directing")("n"),
+        "whether its libido was set by a direction or a visitor: at any hour",
+    ]
     desire: Annotated[F32, behavior("d", "n"), "strength of each desire in `behavior/table.py`"]
     intention: Annotated[U8, behavior("n", start=WANDER, within=(0, "b")), "code, from AVOID on"]
     busy: Annotated[F32, behavior("n", unit="s"), "duration of this intention, or of a reaction"]

@@ -280,7 +280,9 @@ def test_after_the_rush_both_have_mated_part_and_return_to_the_depth(tank):
     _pair(t, 1, SPAWNING)
     t.minds.courtship_time[:] = RUSH_S + 0.1
     t.minds.courtship_mark[:] = -340.0
+    t.minds.ardent[:] = True
     t.run(mating.act)
+    assert not t.minds.ardent.any()
     assert (t.minds.waypoint[:, 2] < -340.0).all()
     assert _free(t, FEMALE, 1)
     np.testing.assert_allclose(t.minds.last_mating, 3000 * 0.033, rtol=1e-6)

@@ -78,7 +78,7 @@ def test_only_prey_fear_and_only_pacifists_court(tank, menaces):
         assert (mental[LIBIDO] > 0) == (kind == PACIFIST)
 
 
-def test_libido_is_full_about_dusk_and_low_at_other_hours_except_of_a_betrothed_pair(tank):
+def test_libido_is_full_about_dusk_and_low_at_other_hours_except_where_it_was_set(tank):
     full = {"kind": PACIFIST, "libido_rate": 0.025, "eaten": 4.0, "appetite": 4.0, "digestion": 0.0}
     found = [
         float(_feel(tank, 60.0, hour=hour, **full)[0][LIBIDO])
@@ -87,4 +87,5 @@ def test_libido_is_full_about_dusk_and_low_at_other_hours_except_of_a_betrothed_
     assert found == pytest.approx([0.1, 0.1, 0.1, 0.1, 0.7, 1.0, 1.0, 1.0, 0.55, 0.1])
     everywhen, _ = _feel(tank, 60.0, hour=12.0, day_libido=1.0, **full)
     betrothed, _ = _feel(tank, 60.0, hour=12.0, betrothed=0, **full)
-    assert everywhen[LIBIDO] == betrothed[LIBIDO] == 1.0
+    ardent, _ = _feel(tank, 60.0, hour=12.0, ardent=True, **full)
+    assert everywhen[LIBIDO] == betrothed[LIBIDO] == ardent[LIBIDO] == 1.0

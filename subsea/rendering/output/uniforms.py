@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from subsea.base.arrays import Array
 from subsea.frame.packet import Packet
+from subsea.habitat.day import daylight_at
 from subsea.habitat.stone import night_at, sun_at
 from subsea.rendering.gl.shaders import view_block
 from subsea.scenario.schema import LUMINANCE, Water, attenuation
@@ -22,8 +23,8 @@ AIR = np.array([0.10, 0.17, 0.32])  # optical depth of the air, sun in the zenit
 MOST_AIR = 9.0  # air mass at the horizon
 DUSK = np.array([0.22, 0.24, 0.34])  # of the sky's light, when the sun is at the horizon
 # Night, as eyes that have adapted to it see it: light of the sky, of the moon, and the pupil.
-NIGHT, MOONLIGHT = np.array([0.095, 0.150, 0.235]), np.array([0.075, 0.105, 0.140])
-OWL, MOON_SHAFTS = 3.4, 0.3  # widest pupil; share of shafts and caustics in the moon's light
+NIGHT, MOONLIGHT = np.array([0.110, 0.175, 0.270]), np.array([0.070, 0.100, 0.135])
+OWL, MOON_SHAFTS = 5.0, 0.3  # widest pupil; strength of shafts of the moon's light
 # Water without a type: attenuation downward in 1/cm, and shares of the extinction along the view.
 PLAIN_DOWN, PLAIN_ALONG = np.array([0.0020, 0.00080, 0.00042]), np.array([1.25, 1.0, 0.84])
 ABSORBED = 0.5  # share of different losses along the view that the eye does not make up for
@@ -55,7 +56,7 @@ class Daylight:
     along: Array  # extinction along a view ray, 1/cm
     far: Array  # radiance of distant water, seen level from LEVEL_CM
     glow: Array  # (2, 3) broad and narrow, about the sun
-    dark: float = 0.0  # how dark the sky is, in [0, 1]
+    open: float = 0.0  # how far the pupil may open from WIDE to OWL, in [0, 1]
     shafts: float = 1.0  # strength of the shafts of light
 
     @cached_property
@@ -104,7 +105,7 @@ class Daylight:
     def pupil(self, depth: float) -> float:
         """Factor on all light by the pupil of an eye at a depth, cm; 1 in plain water at noon."""
         bright = LUMINANCE @ ((self.sun[2] * self.sunlight + self.skylight) * self.at(depth))
-        wide = WIDE + (OWL - WIDE) * self.dark
+        wide = WIDE + (OWL - WIDE) * self.open
         return float(np.clip((_usual() / bright) ** PUPIL, NARROW, wide))
 
 
@@ -119,6 +120,8 @@ def daylight(water: Water) -> Daylight:
     sunlight = SUNLIGHT * entering * np.exp(-AIR * (air[0] - air[1]))
     skylight = SKYLIGHT * (DUSK + (1.0 - DUSK) * min(max(sine, 0.0) / top, 1.0))
     dark, moon = night_at(water.hour)
+    # Where the clock stands, the pictures of a day keep the pupil that they were made for.
+    opening = max(1.0 - daylight_at(water.hour), dark) if water.day_minutes else dark
     if dark > 0.0:
         sunlight = (1.0 - dark) * sunlight + moon * MOONLIGHT
         skylight = skylight + dark * (NIGHT - skylight)
@@ -135,7 +138,7 @@ def daylight(water: Water) -> Daylight:
         glow = glow * np.clip(hue / hue[1], 0.3, 3.0)
     return Daylight(
         np.array(sun), sunlight, skylight, SANDLIGHT * now / then, down, along, far * now / then,
-        glow * sunlight / SUNLIGHT, dark, 1.0 - dark + MOON_SHAFTS * moon,
+        glow * sunlight / SUNLIGHT, opening, 1.0 - dark + MOON_SHAFTS * moon,
     )  # fmt: skip
 
 
