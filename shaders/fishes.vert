@@ -235,7 +235,7 @@ void main() {
     v_ahead = turned(vec3(1.0, 0.0, 0.0));
     v_side = a_part.x < 0.5 ? side : 0.0;
     v_tone = tone(v_identity, v_kind, i_show.z);
-    v_shift = i_show.z * looks[v_kind].show.rgb;
+    v_shift = max(i_show.z, 0.0) * looks[v_kind].show.rgb;
     v_nick = a_part.x == 1.0 && side > 0.0 ? nick(v_identity, v_kind) : 9.0;
 #ifdef CLOSE_UP
     // Water that its mouth took in leaves when it shuts.

@@ -18,11 +18,13 @@ vec3 lot(float identity, float which) {
 
 // A tint, and how saturated it is.
 vec4 tone(float identity, int kind, float display) {
+    float pale = max(-display, 0.0);  // by night
+    display = max(display, 0.0);
     vec4 vary = looks[kind].vary, build = looks[kind].build;
     vec3 hue = lot(identity, 0.0), own = lot(identity, 0.37);
     vec3 tint = 1.0 + vary.x * (hue - dot(hue, vec3(1.0 / 3.0)));
-    float bright = (1.0 + vary.z * own.x) * mix(1.0, build.z, display);
-    return vec4(tint * bright, (1.0 + vary.y * own.y) * mix(1.0, looks[kind].show.w, display));
+    float bright = (1.0 + vary.z * own.x) * mix(1.0, build.z, display) * (1.0 + 0.15 * pale);
+    return vec4(tint * bright, (1.0 + vary.y * own.y) * mix(1.0, looks[kind].show.w, display) * (1.0 - 0.5 * pale));
 }
 
 // Where along its dorsal fin a fish has a nick, 0 to 1, or far outside.

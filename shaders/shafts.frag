@@ -4,6 +4,7 @@
 #include "optics.glsl"
 
 uniform int u_samples;
+uniform float u_shafting;  // their strength: 1 by day
 
 in vec2 v_place;
 out float f_light;
@@ -34,5 +35,5 @@ void main() {
     // Seen plainly toward the sun, faintly aside and hardly from above; the deeper the fainter.
     float seen = 0.10 + 0.50 * max(toward, 0.0);
     seen *= smoothstep(0.0, 0.35, aside) * smoothstep(-0.75, 0.25, direction.z) * exp(u_eye.z / 1600.0);
-    f_light = seen * light / total;
+    f_light = u_shafting * seen * light / total;
 }

@@ -1,7 +1,8 @@
 """Courtship as a state machine: the action and the end of each state (Tu §7.9.3).
 
-Approaching, looping, circling, spawning ascent, nuzzling. Lengths are in body lengths of the
-fish; times hold for the recorded size, as smaller fishes beat and turn faster.
+Approaching, looping, circling, spawning ascent, nuzzling (`nuzzling.py`) and the spawning rush
+(`spawning.py`). Lengths are in body lengths of the fish; times hold for the recorded size, as
+smaller fishes beat and turn faster.
 """
 
 import numpy as np
@@ -15,14 +16,16 @@ from subsea.behavior.manoeuvring import (
     careful,
     heading_of,
     hover,
+    scull,
     steer,
     tail_of,
     turn_to,
     wrapped,
 )
 from subsea.behavior.nuzzling import nuzzle, nuzzled
+from subsea.behavior.spawning import rush, spawned
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import Vector, minus, norm, plus, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import (
     APPROACHING,
@@ -32,37 +35,45 @@ from subsea.state import (
     MATE,
     NO_COURTSHIP,
     NOBODY,
+    NUZZLING,
+    PREDATOR,
+    SPAWNING,
     Clock,
     Fishes,
     Minds,
     Sea,
 )
 
-AHEAD_BL, ABOVE_BL = 1.15, 0.25  # his place before her head, in their mean body length
+AHEAD_BL, ABOVE_BL = 0.95, 0.25  # his place before her head, in their mean body length
 DISPLAY_BL = 1.5  # distance from that place at which he begins
 SWING_BL = 0.55  # vertical amplitude of the point that he chases, in his body length
-SWING_HZ = 0.14
+SWING_HZ = 0.2
 REACH_BL = 0.45  # distance at which he has reached the point
 VIGOUR, BENT = 0.75, 0.25  # share of the fastest speed in a loop; least share of this in turns
-POINTS = 4  # reached before he goes on to circle
+POINTS = 3  # reached before he goes on to circle
 IMPRESSED = 1  # points a rival reaches before she compares him with her favourite
 LARGER = 1.05  # how many times as long a rival must be
 BOB_HZ, BOB_SLOPE = 0.45, 0.5  # nods of her head while she looks on
 CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail; share of the fastest
-ROOM_BL = 0.8  # distance of their middles below which he passes above her
+CLOSE_BL, CLOSING_BL_S = 0.8, 0.3  # distance of their middles to which fins draw them; how fast
+ROOM_BL = 0.7  # distance of their middles below which he passes above her
 ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # angle beyond which he circles on; least turn
 TURNS = 2.0  # that she makes before they ascend
-RISE_BL = 4.0  # height of her ascent, in her body lengths ...
+RISE_BL = 2.5  # height of her ascent, in her body lengths ...
 CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
-LEAST_RISE = 0.4  # share of the fastest speed at which she ascends while he is left behind
+RISING, LEAST_RISE = 0.7, 0.15  # share of the fastest speed of her ascent; while he is behind
+WAITS_BL = 0.7  # distance of their middles from which she waits for him
 STEEP = 0.78  # slope of her ascent: the motor system's steepest
-FOLLOWED_BL = 1.3  # distance from her abdomen at which he has kept up
-BELOW_BL = 0.3  # how far under her abdomen he keeps, in his body length
+FOLLOWED_BL = 0.8  # distance from her abdomen at which he has kept up
+BELOW_BL, BEHIND_BL = 0.12, 0.25  # how far under and behind her abdomen he keeps his mouth
+BESIDE_BL = 0.6  # distance of his mouth from that place at which he heads as she does
+KEEP_S = 0.4  # time in which he closes a gap by swimming
+KEEPING_BL_S = 0.6  # how fast his fins keep him there
 
-# For each state, from none to nuzzling: time after which it is given up, ...
-LIMIT_S = np.array([np.inf, 60.0, 60.0, 45.0, 30.0, 60.0])
+# For each state, from none to spawning: time after which it is given up, ...
+LIMIT_S = np.array([np.inf, 60.0, 45.0, 30.0, 20.0, 30.0, 4.0])
 # ... and how long the partner may attend to something else.
-ALONE_S = np.array([np.inf, 25.0, 8.0, 10.0, 10.0, 10.0])
+ALONE_S = np.array([np.inf, 25.0, 8.0, 8.0, 8.0, 8.0, 2.0])
 COLOUR_S = 0.7  # time constant of mating colours: 95% of a change is done after 2 s
 
 
@@ -164,6 +175,10 @@ def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
         bend(fishes, minds, i, toward, way * min(max(turn, LEAST_RAD), CLOSE_RAD))
         gap = norm(toward) / (CIRCLING_BL * fishes.length[i])
         fishes.goal_speed[i] = CIRCLING_SPEED * min(max(gap, 0.3), 3.0) * max(np.cos(turn), 0.3)
+        apart = minus(vector(fishes.position[j]), vector(fishes.position[i]))
+        room = CLOSE_BL * 0.5 * (fishes.length[i] + fishes.length[j])
+        beyond = max(1.0 - room / max(norm(apart), 1e-6), 0.0)
+        scull(fishes, i, times(0.5 * beyond, apart), CLOSING_BL_S)
         heading = heading_of(fishes, i)
         gained = wrapped(heading - minds.courtship_mark[i])
         minds.courtship_mark[i] = heading
@@ -189,14 +204,10 @@ def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
 
 @kernel
 def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """She ascends fast, then hovers; he follows her abdomen."""
+    """She ascends fast, then hovers; he keeps close behind her abdomen."""
     for i in who:
         if minds.male[i]:
-            j = np.int64(minds.partner[i])
-            under = minus(abdomen_of(fishes, j), (0.0, 0.0, BELOW_BL * fishes.length[i]))
-            toward = minus(under, mouth_of(fishes, i))
-            speed = min(norm(toward) / fishes.length[i], 1.0)
-            fishes.goal_speed[i] = speed * careful(steer(fishes, minds, i, toward))
+            _keep_up(fishes, minds, i, np.int64(minds.partner[i]))
         elif _at_top(fishes, minds, i):
             hover(fishes, minds, i, 0.0)
         else:
@@ -204,7 +215,26 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
             level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-6)
             set_urge(minds, i, (ahead[0], ahead[1], STEEP * level))
             gap = norm(minus(vector(fishes.position[minds.partner[i]]), vector(fishes.position[i])))
-            fishes.goal_speed[i] = min(max(2.0 - 0.5 * gap / fishes.length[i], LEAST_RISE), 1.0)
+            behind = max(gap / fishes.length[i] - WAITS_BL, 0.0)
+            fishes.goal_speed[i] = max(RISING - behind, LEAST_RISE)
+
+
+@kernel
+def _keep_up(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
+    """Follow the abdomen of fish j closely: near it, on a course beside hers."""
+    length = float(fishes.length[i])
+    x = x_axis(fishes.orientation[j])
+    behind = plus(abdomen_of(fishes, j), times(-BEHIND_BL * length, x))
+    toward = minus(plus(behind, (0.0, 0.0, -BELOW_BL * length)), mouth_of(fishes, i))
+    distance = norm(toward)
+    if distance > BESIDE_BL * length:
+        share = min(distance / length, 1.0)
+        fishes.goal_speed[i] = share * careful(steer(fishes, minds, i, toward))
+        return
+    steer(fishes, minds, i, plus(x, times(1.0 / length, toward)))
+    own = norm(vector(fishes.velocity[j])) + dot(toward, x) / KEEP_S
+    fishes.goal_speed[i] = min(max(own / float(fishes.fast[i]), 0.0), 1.0)
+    scull(fishes, i, toward, KEEPING_BL_S)
 
 
 @kernel
@@ -238,7 +268,7 @@ def enter(fishes: Fishes, minds: Minds, i: int, code: int) -> None:
     minds.courtship_mark[i] = 0.0
     if code == CIRCLING:
         minds.courtship_mark[i] = heading_of(fishes, i)
-    elif code == ASCENDING:
+    elif code in (ASCENDING, SPAWNING):
         minds.courtship_mark[i] = fishes.position[i, 2]
     minds.alone[i] = 0.0
     minds.fatigue[MATE, i] = 0.0
@@ -276,18 +306,24 @@ def perform(state: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock
     if state == ASCENDING:
         ascend(who, fishes, minds, sea, clock)
         return ascended(who, fishes, minds, sea)
-    nuzzle(who, fishes, minds, sea, clock)
-    return nuzzled(who, fishes, minds, sea)
+    if state == NUZZLING:
+        nuzzle(who, fishes, minds, sea, clock)
+        return nuzzled(who, fishes, minds, sea)
+    rush(who, fishes, minds, sea, clock)
+    return spawned(who, fishes, minds, sea)
 
 
 @kernel
-def ease_display(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+def ease_display(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Ease the display of the fishes `who` to 1 where a male courts, else to 0 (Tu §5.3).
 
-    A fish raises its fins to a mate and to a predator in sight.
+    By night it eases to -1: fishes that are awake by day turn pale, but not their predators. A
+    fish raises its fins to a mate and to a predator in sight.
     """
     share = 1.0 - np.exp(-clock.dt / COLOUR_S)
+    pale = 1.0 - sea.sky[1]
     for i in who:
         courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
-        fishes.display[i] += share * ((1.0 if courts else 0.0) - fishes.display[i])
-        fishes.raised[i] = max(fishes.display[i], minds.menace[i])
+        calm = 0.0 if minds.kind[i] == PREDATOR else -pale
+        fishes.display[i] += share * ((1.0 if courts else calm) - fishes.display[i])
+        fishes.raised[i] = max(fishes.display[i], minds.menace[i], np.float32(0.0))

@@ -7,13 +7,14 @@ import numpy as np
 
 from subsea.behavior.chasing import set_urge
 from subsea.geometry.rotation import rotate, x_axis
-from subsea.geometry.vector import Vector, plus, vector
+from subsea.geometry.vector import Vector, norm, plus, vector
 from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
 
 CLOSE_RAD = np.radians(40.0)  # wanted angle at which a fish turns fastest
 TURNING_RAD, TURNING_SPEED = np.radians((15.0, 45.0, 90.0)), np.array((1.0, 0.35, 0.1))
-BELLY_BACK_BL, BELLY_DOWN_BL = 0.05, 0.15  # the abdomen, behind and below the origin
+BELLY_BACK_BL, BELLY_DOWN = 0.05, 0.45  # the abdomen: lengths behind, heights below the origin
+SCULL_GAIN = 2.5  # 1/s: share of a gap that fins close in a second
 
 
 @kernel
@@ -92,5 +93,18 @@ def tail_of(fishes: Fishes, j: int) -> Vector:
 def abdomen_of(fishes: Fishes, j: int) -> Vector:
     """The belly of fish j, cm, world."""
     length = fishes.length[j]
-    offset = (-BELLY_BACK_BL * length, -BELLY_DOWN_BL * length, 0.0)
+    offset = (-BELLY_BACK_BL * length, -BELLY_DOWN * fishes.girth[j, 0], 0.0)
     return plus(vector(fishes.position[j]), rotate(fishes.orientation[j], offset))
+
+
+@kernel
+def scull(fishes: Fishes, i: int, way: Vector, most_bl_s: float) -> None:
+    """Move fish i by its paired fins along `way`, cm, at no more than `most_bl_s` lengths per s.
+
+    Fishes that hover correct their place so, in any direction and without a beat of the tail.
+    """
+    gap = norm(way)
+    if gap > 1e-6:
+        speed = min(SCULL_GAIN * gap, most_bl_s * float(fishes.length[i])) / gap
+        for axis in range(3):
+            fishes.drift[i, axis] += np.float32(speed * way[axis])

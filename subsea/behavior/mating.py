@@ -5,6 +5,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import follow
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, enter, perform
+from subsea.behavior.manoeuvring import hover
 from subsea.behavior.wandering import wander
 from subsea.geometry.vector import minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
@@ -16,8 +17,8 @@ from subsea.state import (
     MATE,
     NO_COURTSHIP,
     NOBODY,
-    NUZZLING,
     PACIFIST,
+    SPAWNING,
     Clock,
     Fishes,
     Minds,
@@ -28,12 +29,12 @@ from subsea.state.feelings import feel
 
 STILL_KEEN = 0.6  # share of `keen` below which a courting fish stops
 DEVOTED = 1.5  # least desire of a courting fish over `keen`
-COY = 0.15  # share of the fastest speed of a female whom a male approaches
 LOST_CM = 250.0  # distance at which a partner is out of sight
 BONDS = 0.7  # liking that grows for a mate by spawning
 REST_S = 30.0  # after spawning, before a fish courts again
 SHUN_S = 45.0  # how long a fish shuns a former partner
 APART_CM = 260.0  # distance of the place to which it turns away
+RETURN_BL = 2.0  # how far below the start of their rush a pair returns to, in body lengths
 PARTING_S = 12.0  # how long it heads there
 
 
@@ -61,7 +62,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """Choose partners, perform the state of each courtship, and advance those completed."""
     choose_partner(who, fishes, minds, sea, clock)
     courtship = minds.courtship[who]
-    for state in range(APPROACHING, NUZZLING + 1):
+    for state in range(APPROACHING, SPAWNING + 1):
         those = who[courtship == state]
         done = perform(state, those, fishes, minds, sea, clock)
         enter_next_state(those[done], fishes, minds, clock)
@@ -71,8 +72,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Begin a courtship with the most desirable fish in sight, unless fish i has a partner.
 
-    A male approaches her. A female follows a male that does not intend to mate; if he courts
-    another, or approaches her, she wanders on.
+    A male approaches her. A female follows a male that does not intend to mate, and hovers while
+    one approaches her. One that courts another is no mate for her (`perception/mates.py`).
     """
     for i in who:
         j = minds.target[i]
@@ -85,10 +86,10 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
         if able and minds.intention[j] != MATE:
             follow(fishes, minds, i, j)
             continue
-        wander(fishes, minds, i, sea, clock)
         if able and minds.partner[j] == i:
-            # He approaches: she does not swim away.
-            fishes.goal_speed[i] = min(fishes.goal_speed[i], COY)
+            hover(fishes, minds, i, 0.0)
+        else:
+            wander(fishes, minds, i, sea, clock)
 
 
 @kernel
@@ -136,14 +137,15 @@ def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
 def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Begin the next state for the fishes `who` and, from circling on, for their partners.
 
-    The male begins looping alone; she notices by herself. After the last state both have mated.
+    The male begins looping alone; she notices by herself. After the last state both have mated,
+    and return to the depth where their rush began, or lower.
     """
     for i in who:
         j = np.int64(minds.partner[i])
         after = minds.courtship[i] + 1
         if after == LOOPING:
             enter(fishes, minds, i, after)
-        elif after <= NUZZLING:
+        elif after <= SPAWNING:
             enter(fishes, minds, i, after)
             enter(fishes, minds, j, after)
         else:
@@ -151,8 +153,11 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
             minds.last_mating[j] = clock.tick * clock.dt
             feel(minds, i, j, BONDS)
             feel(minds, j, i, BONDS)
-            _part(fishes, minds, j)
-            _part(fishes, minds, i)
+            for fish in (j, i):
+                minds.ardent[fish] = False
+                low = minds.courtship_mark[fish] - RETURN_BL * fishes.length[fish]
+                _part(fishes, minds, fish)
+                minds.waypoint[fish, 2] = low
 
 
 @kernel

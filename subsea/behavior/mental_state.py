@@ -14,6 +14,7 @@ from subsea.behavior.curious import CURIOUS, SHY_S
 from subsea.behavior.death import forget
 from subsea.fish.character import draw_character
 from subsea.fish.species import Species
+from subsea.habitat.day import ardour
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
@@ -31,6 +32,7 @@ from subsea.state import (
     Fishes,
     Minds,
     Nature,
+    Sea,
 )
 from subsea.state.feelings import fade_feelings
 
@@ -45,15 +47,17 @@ MATE_STIMULUS = (0.025, 0.1)
 
 @kernel
 def update_mental_state(
-    who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
     """Update `minds.mental` of the fishes `who` from what they perceive and remember.
 
-    Only prey fear, and only pacifists court (Tu §7.9). Digested meals are forgotten. Fear set by
-    a direction replaces that of what is seen.
+    Only prey fear, and only pacifists court (Tu §7.9). Libido is full about dusk, except where a
+    direction or a visitor has set it, or betrothed a pair. Digested meals are forgotten. Fear set
+    by a direction replaces that of what is seen.
     """
     now = clock.tick * clock.dt
     fade_feelings(who, minds)
+    season = ardour(sea.sky[0], nature.day_libido)
     for i in who:
         left = 1.0 - minds.digestion[i] * (now - minds.last_meal[i])
         if left <= 0.0:
@@ -66,7 +70,8 @@ def update_mental_state(
         if minds.kind[i] == PACIFIST:
             urge = minds.libido_rate[i] * (now - minds.last_mating[i]) * (1.0 - hunger)
             mate = nature.libido_stimulus * stimulus(minds.mate_distance[i], *MATE_STIMULUS)
-            minds.mental[i, LIBIDO] = min(max(urge + mate, 0.0), 1.0)
+            share = 1.0 if minds.ardent[i] or minds.betrothed[i] >= 0 else season
+            minds.mental[i, LIBIDO] = share * min(max(urge + mate, 0.0), 1.0)
         fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
         minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
 
@@ -154,6 +159,7 @@ def apply_individual(fishes: Fishes, minds: Minds, table: IndividualTable, now_s
         minds.eaten[i], minds.last_meal[i] = (1.0 - hunger) * minds.appetite[i], now_s
     if table.libido is not None:
         set_libido(minds, i, hunger, table.libido, now_s)
+        minds.ardent[i] = True
 
 
 def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:

@@ -36,6 +36,7 @@ RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.5
 DIRECT = 2.0  # weight of the angle off the school in the choice of a side, for a fish beyond it
 # A straggler has fewer than COMPANIONS companions within STRAGGLING_BL.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
+LOOSE = 2.2  # factor on the distances of a school at ease in the night
 INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
 
 
@@ -90,7 +91,11 @@ def has_school(minds: Minds, i: int, now: float) -> bool:
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Swim with the neighbours, and around obstacles, or follow the leader."""
+    """Swim with the neighbours, and around obstacles, or follow the leader.
+
+    By night a school that is at ease disperses.
+    """
+    loose = LOOSE ** (1.0 - sea.sky[1])
     for i in who:
         if minds.led[i]:
             follow_leader(i, fishes, minds, sea, nature, clock)
@@ -98,7 +103,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         here, length = vector(fishes.position[i]), float(fishes.length[i])
         alarmed = minds.mental[i, FEAR] > nature.alarmed
         school = known_by(minds, i)
-        spacing = (CLOSED if alarmed else 1.0) / np.sqrt(float(minds.sociability[i]))
+        spacing = (CLOSED if alarmed else loose) / np.sqrt(float(minds.sociability[i]))
         urge, heading, pace = _company(fishes, minds, i, spacing)
         cruising = CRUISING * float(minds.activity[i])
         if minds.errand[school] > 0.0:

@@ -32,6 +32,7 @@ AHEAD_COS = -0.2  # ... not be behind it, and be ...
 BROAD_CM = 100.0  # ... this far from solids, which split a school
 HOME_SHARE = 0.7  # of its range within which a fish with a home wanders ...
 HOME_FLOOR_CM = 12.0  # ... at least this high
+LOW, DESCENT = 1.6, 2.4  # power that draws waypoints low, and how much more it is by night
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
 BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
@@ -144,8 +145,9 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
         x, y = reach * np.cos(angle), reach * np.sin(angle)
         floor = height_at(sea.floor, sea.half_width, x, y) + FLOOR_CM
         low, high = _liked_heights(minds, i, floor)
-        # Most life of a reef is in the lower half of the water.
-        depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
+        # Most life of a reef is in the lower half of the water, by night near the ground.
+        power = LOW + DESCENT * (1.0 - sea.sky[1])
+        depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** power
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
         z = min(max(low + depth * (high - low), here[2] - rise), here[2] + rise)
         lowest, highest = minds.cruise_height[i]

@@ -11,8 +11,8 @@ from subsea.state import (
     LOOPING,
     NO_COURTSHIP,
     NOBODY,
-    NUZZLING,
     PREDATOR,
+    SPAWNING,
     SUBMARINE,
 )
 
@@ -79,7 +79,7 @@ def _courting(context: DirectingContext, cue: Cue) -> Cast | None:
 def _spawned(context: DirectingContext, cue: Cue) -> Cast | None:
     """Two fishes have mated in the last tick."""
     minds, log, clock = context.state.minds, context.state.directions, context.clock
-    ended = (log.courtship[cue.of] == NUZZLING) & (minds.courtship[cue.of] == NO_COURTSHIP)
+    ended = (log.courtship[cue.of] == SPAWNING) & (minds.courtship[cue.of] == NO_COURTSHIP)
     just = minds.last_mating[cue.of] >= (clock.tick - 1.5) * clock.dt
     those = cue.of[ended & just]
     if not len(those):

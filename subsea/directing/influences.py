@@ -22,11 +22,11 @@ from subsea.state import (
     LOOPING,
     NO_COURTSHIP,
     NOBODY,
-    NUZZLING,
     PACIFIST,
     PREDATOR,
     PREY,
     SINKING,
+    SPAWNING,
     STOWED,
 )
 
@@ -208,6 +208,7 @@ def _libido(context: DirectingContext, k: int) -> bool:
     hunger = hunger_of(context, cue.who)
     wish = now + _share(context, k) * (cue.direction.libido - now)
     set_libido(minds, cue.who, hunger, wish, now_s(context))
+    minds.ardent[cue.who] = True
     return True
 
 
@@ -297,7 +298,7 @@ def _pair(context: DirectingContext, k: int) -> bool:
         if log.cast[k, 0] < 0:
             return True
     two, other = log.cast[k], log.cast[k, ::-1]
-    spawned = (log.courtship[two] == NUZZLING) & (minds.courtship[two] == NO_COURTSHIP)
+    spawned = (log.courtship[two] == SPAWNING) & (minds.courtship[two] == NO_COURTSHIP)
     just = minds.last_mating[two] >= now_s(context) - 1.5 * context.clock.dt
     if not fishes.alive[two].all() or (spawned & just).all():
         log.stage[k] = OVER

@@ -19,6 +19,7 @@ from subsea.frame.in_sight import (
     leaves_in_sight,
     plankton_in_sight,
 )
+from subsea.habitat.day import hour_at
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.motor.pose import pose_at
@@ -154,6 +155,7 @@ class Packet:
     lined: int | None = None  # number of views with lines, the first ones; None: all
     current_cm_s: tuple[float, float] | None = None  # None: as in the scene
     lamps: Lamps | None = None  # None while they are off
+    hour: float | None = None  # of the day; None: as in the scene
 
 
 @dataclass(frozen=True)
@@ -271,7 +273,13 @@ def pack(
         lines=lines,
         current_cm_s=world.flowing_cm_s,
         lamps=lamps_of(pilot) if world.state.submarine.lights[0] else None,
+        hour=_hour(world.scenario.water, time_s),
     )
+
+
+def _hour(water: Water, time_s: float) -> float | None:
+    """Hour of the day at a time of a dive, None while the clock stands still."""
+    return hour_at(water.hour, water.day_minutes, time_s) if water.day_minutes else None
 
 
 def lamps_of(pilot: CameraPose) -> Lamps:

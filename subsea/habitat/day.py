@@ -5,13 +5,16 @@ The hour is a function of the tick, so a dive that goes back in time goes back i
 
 import math
 
-from subsea.state import Clock, Sea
+from subsea.kernels import kernel
+from subsea.state import Clock, Nature, Sea
 
 HOURS = 24.0
 DAY_MINUTE_S = 60.0
 # Sine of the sun's height, relative to noon, where twilight begins in the night and where an eye
 # finds the day fully bright: the sun 15 degrees below the horizon and 37 degrees above it.
 NIGHT, FULL_DAY = -0.25, 0.6
+NIGHT_SIGHT = 0.45  # share of the range of sight that is left in moonlight
+DUSK = (15.0, 16.5, 19.0, 20.0)  # hours at which courtship begins, is full, fades and is over
 
 
 def hour_at(start: float, day_minutes: float, time_s: float) -> float:
@@ -39,3 +42,24 @@ def move_sky(sea: Sea, start: float, day_minutes: float, clock: Clock) -> None:
     """Set `sea.sky` to the hour and the daylight of a tick; see `hour_at`."""
     hour = hour_at(start, day_minutes, clock.tick * clock.dt)
     sea.sky[0], sea.sky[1] = hour, daylight_at(hour)
+
+
+def in_daylight(nature: Nature, daylight: float) -> Nature:
+    """Return the constants of perception in this daylight, 0 to 1: fishes see less far in the dark.
+
+    The reactive distance of fishes falls with the logarithm of light below that of a dull day.
+    """
+    share = NIGHT_SIGHT + (1.0 - NIGHT_SIGHT) * float(daylight)
+    return nature._replace(vision_cm=share * nature.vision_cm)
+
+
+@kernel
+def ardour(hour: float, by_day: float) -> float:
+    """Compute the share of libido at an hour: 1 about dusk, else `by_day`.
+
+    Reef fishes that release eggs into open water spawn at dusk (Thresher 1984).
+    """
+    begins, full, fades, ends = DUSK
+    share = min(max((hour - begins) / (full - begins), 0.0), 1.0)
+    share *= min(max((ends - hour) / (ends - fades), 0.0), 1.0)
+    return by_day + (1.0 - by_day) * share

@@ -36,10 +36,15 @@ class Shade(NamedTuple):
     reach: float  # cm, beyond which it blocks little of the sky's light
 
 
+TWILIGHT, MOONRISE = 0.25, 0.5  # depth of the sun over its height at noon: dark, moon is up
+
+
 def sun_at(hour: float) -> tuple[Vector, float]:
-    """Direction toward the sun below the surface, and the sine of its height above it.
+    """Direction toward the light below the surface, and the sine of the sun's height above it.
 
     In the air the sun moves on a great circle, from the horizon at 6 through noon to that at 18.
+    After sunset the light comes from ever higher in the twilight sky, then from a full moon, which
+    stands opposite the sun.
     """
     flat = math.hypot(SUN[0], SUN[1])
     aside = WATER_INDEX * flat  # Snell's law
@@ -49,7 +54,26 @@ def sun_at(hour: float) -> tuple[Vector, float]:
     ax, ay = SUN[0] / flat, SUN[1] / flat
     x = (along * ax + across * ay) / WATER_INDEX
     y = (along * ay - across * ax) / WATER_INDEX
+    if math.sin(turn) < 0.0:
+        dark, moon = night_at(hour)
+        x, y = (1.0 - dark - moon) * x, (1.0 - dark - moon) * y
     return (x, y, math.sqrt(1.0 - x * x - y * y)), math.sin(turn) * high
+
+
+def night_at(hour: float) -> tuple[float, float]:
+    """Compute how dark the sky is at an hour, and how much of the moon's light there is, 0 to 1.
+
+    Both are 0 from 6 to 18 h. The sky is dark an hour later; then the moon grows bright.
+    """
+    deep = max(-math.sin(math.pi * (hour - 6.0) / 12.0), 0.0)
+    dark, moon = deep / TWILIGHT, (deep - TWILIGHT) / (MOONRISE - TWILIGHT)
+    return _eased(dark), _eased(moon)
+
+
+def _eased(share: float) -> float:
+    """Ease a share from 0 to 1, which it is held to."""
+    share = min(max(share, 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)
 
 
 def box_of(blocks: Array) -> tuple[Array, Array]:

@@ -27,6 +27,7 @@ from subsea.state import (
     NUZZLING,
     PREDATOR,
     PREY,
+    SPAWNING,
 )
 
 BARRIERS = ("wall", "surface", "seabed", "pillar", "rock")
@@ -35,7 +36,7 @@ COMPANIONS, COMPANY_BL = 2, 2.5  # in company: at least 2 of its species within 
 BEFORE_S = 3.0  # decisive period before a capture
 TURNED_DEG, TURNED_S = 60.0, 3.0  # a rejected male turns by that angle within that time
 COURTED_S = 1.0  # minimum duration of a courtship
-SEQUENCE = (LOOPING, CIRCLING, ASCENDING, NUZZLING)  # of a complete mating (Tu §7.9.3)
+SEQUENCE = (LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING)  # of a complete mating (Tu §7.9.3)
 SATED_BELOW, SATURATED_S = 0.99, 60.0  # hunger is saturated above this level for this time
 WARNING_S = 1.0  # fear must come within this time before an escape
 REACH = 1.0  # an attack comes as near as this to its target, lengths of the predator
@@ -221,6 +222,7 @@ class Courtship(NamedTuple):
 def courtships(record: Record) -> list[Courtship]:
     """List every courtship of every male, in order of time."""
     rows = []
+    whole = SEQUENCE[: len(record.courtship_names) - LOOPING]  # older records know no spawning
     for i in np.flatnonzero(record.male):
         state = record.courtship[:, i]
         for start, end in runs((state != NO_COURTSHIP) & record.alive[:, i]):
@@ -231,7 +233,7 @@ def courtships(record: Record) -> list[Courtship]:
             partners = record.partner[start:end, i]
             partners = partners[partners != NOBODY]
             over = end < len(record.time)
-            rejected = over and not set(order) & {CIRCLING, ASCENDING, NUZZLING}
+            rejected = over and not set(order) & {CIRCLING, ASCENDING, NUZZLING, SPAWNING}
             rows.append(
                 Courtship(
                     male=int(i),
@@ -239,7 +241,7 @@ def courtships(record: Record) -> list[Courtship]:
                     start=float(record.time[start]),
                     duration=(end - start) * record.tick_s,
                     states=order,
-                    complete=over and order[-len(SEQUENCE) :] == SEQUENCE,
+                    complete=over and order[-len(whole) :] == whole,
                     rejected=rejected,
                     turned_away=rejected and turned_after(record, int(i), end - 1) > TURNED_DEG,
                 )

@@ -239,6 +239,7 @@ def _note(world: World, block: Rows, row: int) -> None:
     for name in ("intention", "leader", "target", "partner", "courtship", "last_meal"):
         block[f"fish/{name}"][row] = getattr(state.minds, name)
     block["plankton/count"][row] = (state.sea.absent <= 0.0).sum()
+    block["day/hour"][row] = state.sea.sky[0]
     block["submarine/position"][row] = state.submarine.position
 
 

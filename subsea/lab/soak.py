@@ -66,7 +66,7 @@ MAX_BL_S, MAX_DRIFT_CM_S = 12.0, 150.0  # speed of a fish: body lengths, and car
 OFF_UNIT = 1e-3  # tolerance of the length of a quaternion
 STILL_BL = 0.5  # a fish that stays in a box of this size, in body lengths, does not move
 IN_UNIT = (
-    "fishes.weight", "fishes.gape", "fishes.display", "minds.mental", "minds.light",
+    "fishes.weight", "fishes.gape", "minds.mental", "minds.light",
     "minds.menace", "minds.menaces",
 )  # fmt: skip
 QUATERNIONS = ("fishes.orientation", "fishes.previous_orientation")
@@ -403,6 +403,8 @@ def _odd_numbers(world: World) -> Iterator[str]:
         for where in np.argwhere((arrays[name] < -SLACK) | (arrays[name] > 1.0 + SLACK))[:1]:
             k = tuple(int(index) for index in where)
             yield f"{name}{[*k]} is {arrays[name][k]:g}, expected a share"
+    for k in np.flatnonzero(np.abs(arrays["fishes.display"]) > 1.0 + SLACK)[:1]:
+        yield f"fishes.display[{k}] is {arrays['fishes.display'][k]:g}, expected -1 to 1"
     for name in QUATERNIONS:
         length = np.linalg.norm(arrays[name], axis=1)
         for k in np.flatnonzero(np.abs(length - 1.0) > OFF_UNIT)[:1]:

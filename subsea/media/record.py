@@ -119,6 +119,7 @@ FIELDS = {
         "centre x, y, z and half axes of each ellipsoid, and its rotation to the left in rad",
     ),
     "plankton/count": DatasetSpec(np.int32, _BY_TICK, "1", "specks of plankton"),
+    "day/hour": DatasetSpec(np.float32, _BY_TICK, "h", "hour of the day, 0 to 24"),
     "submarine/position": DatasetSpec(
         np.float64, ("time", "axis"), "cm", "position of the submarine"
     ),

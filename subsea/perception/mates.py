@@ -7,7 +7,7 @@ from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import eye_of, sees_fish, sight
-from subsea.state import LIBIDO, LOOPING, PACIFIST, Fishes, Minds, Nature, Sea
+from subsea.state import LIBIDO, LOOPING, NOBODY, PACIFIST, Fishes, Minds, Nature, Sea
 
 CELL_CM = 100.0
 ODD = 2.0  # largest ratio of lengths between mates of different species
@@ -23,7 +23,8 @@ def see_mates(
 
     Same species come first, then the nearest. A fish with too little libido to court looks only as
     far as a mate can tempt it. A mate is of the other sex, not shunned and not circling with
-    another; one of another species must be of similar size. Two fishes betrothed by a direction
+    another; one of another species must be of similar size. A female does not consider a male that
+    courts another: she chooses another one (Tu §7.9.3). Two fishes betrothed by a direction
     know of each other anywhere and have no other mates.
     """
     longest = 0.0
@@ -56,6 +57,8 @@ def see_mates(
                     species = fishes.species
                     odd = not 1.0 / ODD < fishes.length[i] / fishes.length[j] < ODD
                     taken |= minds.betrothed[j] >= 0
+                    courts = minds.partner[j] != NOBODY and minds.partner[j] != i
+                    taken |= courts and not minds.male[i]
                     if minds.shunned[i] == j or taken or (odd and species[i] != species[j]):
                         continue
                     if species[i] != species[j]:

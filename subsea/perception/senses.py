@@ -18,7 +18,7 @@ from subsea.perception.collision import Crowd
 from subsea.perception.comfort import sense_comfort
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
 from subsea.perception.leader_tracking import Schools
-from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import CIRCLING, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 NEAR_CM = 400.0  # distance to the submarine within which a fish thinks every tick
 FAR_TICKS = 4  # interval beyond, 0.13 s ...
@@ -40,7 +40,8 @@ def mark_due(
 ) -> None:
     """Set `due` of the fishes `who`, and add a tick to their `minds.pause`.
 
-    Turns are spread evenly over ticks. In the first tick all think.
+    Turns are spread evenly over ticks. In the first tick all think, and pairs that circle or do
+    what follows always do: they move close to each other.
     """
     submarine = vector(sea.submarine)
     for i in who:
@@ -50,7 +51,7 @@ def mark_due(
             continue
         distance = norm(minus(vector(fishes.position[i]), submarine))
         every = 1
-        if distance > NEAR_CM:
+        if distance > NEAR_CM and minds.courtship[i] < CIRCLING:
             every = FAR_TICKS if distance < visibility else UNSEEN_TICKS
         due[i] = clock.tick == 0 or (clock.tick + i) % every == 0
 
@@ -106,7 +107,7 @@ def look_around(
 
     Sets `seen` (n,) where a fish sees the leader of its school.
     """
-    feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
+    feel_water(who, fishes.position, sea, minds.light, minds.temperature)
     sense_comfort(who, minds, sea.climate, nature)
     leader_tracking.see_leader(who, fishes, minds, sea, nature, seen)
     collision.find_threats(who, fishes, minds, around.crowds, nature)
@@ -148,16 +149,14 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
 
 
 @kernel
-def feel_water(
-    who: Ints, position: Array, climate: Array, light: Array, temperature: Array
-) -> None:
+def feel_water(who: Ints, position: Array, sea: Sea, light: Array, temperature: Array) -> None:
     """Set brightness and temperature of the water around the fishes `who`.
 
-    Light fades with depth as exp(-depth / l); the water cools evenly down to the depth of the
+    Daylight fades with depth as exp(-depth / l); the water cools evenly down to the depth of the
     lower temperature, and no further.
     """
-    surface_c, depth_c, depth, fade = climate
+    surface_c, depth_c, depth, fade = sea.climate
     for i in who:
         below = max(-float(position[i, 2]), 0.0)
-        light[i] = np.exp(-below / fade)
+        light[i] = sea.sky[1] * np.exp(-below / fade)
         temperature[i] = surface_c + (depth_c - surface_c) * min(below / depth, 1.0)

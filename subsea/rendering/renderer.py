@@ -24,7 +24,7 @@ from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
-from subsea.rendering.output.uniforms import uniforms_of
+from subsea.rendering.output.uniforms import uniforms_of, water_of
 from subsea.rendering.output.vessel import TheatreVesselRenderer
 from subsea.rendering.reef import coral, rocks
 from subsea.rendering.reef.coral import CoralRenderer, bake
@@ -271,7 +271,7 @@ class Renderer(GpuOwner):
             partial(self._rocks.cast, level=rocks.CAST_LEVEL),
             partial(self._coral.cast, level=coral.CAST_LEVEL),
         )
-        maps = self._sun.draw(standing, fishes, eye)
+        maps = self._sun.draw(standing, fishes, eye, water_of(packet, self._scene.water).hour)
         return maps | ({"u_close_up": True} if self.quality.close_up else {})
 
     def show(self, canvas: Bytes, into: Into = OWN) -> None:

@@ -363,6 +363,7 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     curiosity_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 350.0
     dusk: Share = 0.5
     mild: Share = 0.5
+    day_libido: Share = 0.1
 
     def __post_init__(self) -> None:
         """Refuse thresholds in the wrong order (Tu §7.5)."""

@@ -26,8 +26,8 @@ LEFT, RIGHT, FORWARD, BACKWARD, ASCEND, DESCEND = range(6)
 # Barriers that are not solids; pillars count from 0, rocks follow the pillars, -1 means none.
 SEABED, SURFACE, WALL = -2, -3, -4
 # States of a courtship (Tu §7.9.3).
-COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling")
-NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING = range(6)
+COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling", "spawning")
+NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING = range(7)
 
 # States of the hook (Tu §10.1).
 STOWED, SINKING, HANGING, HOOKED, LANDED = range(5)

@@ -138,7 +138,7 @@ class Fishes(NamedTuple):
     goal_direction: Annotated[F32, behavior("n", 3), "unit vector, world axes"]
     goal_speed: Annotated[F32, behavior("n"), "share of the fast swim's speed; negative retreats"]
     gape: Annotated[F32, behavior("n"), "opening of the mouth asked for, in [0, 1]"]
-    display: Annotated[F32, behavior("n"), "strength of the mating colours, in [0, 1]"]
+    display: Annotated[F32, behavior("n"), "mating colours, to 1; paleness by night, to -1"]
     raised: Annotated[F32, behavior("n"), "raising of dorsal and ventral fin asked for, in [0, 1]"]
 
 
@@ -242,6 +242,11 @@ class Minds(NamedTuple):
     eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
     last_meal: Annotated[F32, behavior("n", unit="s"), "world time"]
     last_mating: Annotated[F32, behavior("n", unit="s"), "world time"]
+    ardent: Annotated[
+        BOOL,
+        written_by("behavior, directing")("n"),
+        "whether its libido was set by a direction or a visitor: at any hour",
+    ]
     desire: Annotated[F32, behavior("d", "n"), "strength of each desire in `behavior/table.py`"]
     intention: Annotated[U8, behavior("n", start=WANDER, within=(0, "b")), "code, from AVOID on"]
     busy: Annotated[F32, behavior("n", unit="s"), "duration of this intention, or of a reaction"]
@@ -457,6 +462,7 @@ class Nature(NamedTuple):
     curiosity_cm: float  # distance from which the submarine attracts pacifists, 0 for never
     dusk: float  # share of the sea's range of light below which it is dark (Tu §7.3)
     mild: float  # share of the sea's range of temperature below which it is cold
+    day_libido: float = 0.1  # share of libido outside dusk
 
 
 class Physics(NamedTuple):

@@ -31,7 +31,7 @@ from subsea.directing.script import DirectingContext
 from subsea.habitat import plankton
 from subsea.habitat.contact import keep_in_free_water, separate
 from subsea.habitat.current import add_bow_wave, flow_at, set_drift, shear_at
-from subsea.habitat.day import move_sky
+from subsea.habitat.day import in_daylight, move_sky
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
@@ -105,7 +105,8 @@ def step(world: World, order: Order) -> None:
     with _stage(world, "behavior"):
         decide(world, who, free, clock)
     with _stage(world, "perception"):
-        focus(free, state.fishes, state.minds, state.sea, world.nature, clock)
+        nature = in_daylight(world.nature, state.sea.sky[1])
+        focus(free, state.fishes, state.minds, state.sea, nature, clock)
     with _stage(world, "behavior"):
         act(world, free, everyone, commands, clock)
         state.minds.pause[who] = 0.0
@@ -159,7 +160,7 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
     if isinstance(order, TeleopCommands):
         feeding = order.fish[order.feeds]
         who = np.union1d(who, feeding[fishes.alive[feeding]])
-    sense(who, fishes, minds, sea, world.nature, clock)
+    sense(who, fishes, minds, sea, in_daylight(world.nature, sea.sky[1]), clock)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
     return who
@@ -174,7 +175,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     schooling.guide_schools(fishes, minds, sea, clock)
     end_courtships(who, fishes, minds)
 
-    share(update_mental_state, who, LEAST_MINDS, fishes, minds, nature, clock)
+    share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     share(choose_intention, free, LEAST_MINDS, minds, nature, *table)
@@ -194,7 +195,7 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)
     biting.bite(fishes, minds, sea, clock)
-    share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, clock)
+    share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, sea, clock)
 
 
 def stay_in_free_water(world: World, everyone: Ints, swimming: Array) -> None:

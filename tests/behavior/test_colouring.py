@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from subsea.behavior.courtship import ease_display
-from subsea.state import CIRCLING, LOOPING, NO_COURTSHIP, Clock
+from subsea.state import CIRCLING, LOOPING, NO_COURTSHIP, PREDATOR, Clock
 from tests.support.scenes import everyone
 
 
 def _wait(t, seconds, dt=0.033):
     for tick in range(round(seconds / dt)):
-        ease_display(everyone(t.fishes), t.fishes, t.minds, Clock(0, tick, dt))
+        ease_display(everyone(t.fishes), t.fishes, t.minds, t.sea, Clock(0, tick, dt))
 
 
 @pytest.fixture
@@ -48,6 +48,14 @@ def test_the_ease_does_not_depend_on_the_step(four):
     four.fishes.display[:] = 0.0
     _wait(four, 0.9, 0.09)
     assert four.fishes.display[0] == pytest.approx(finely, abs=1e-4)
+
+
+def test_fishes_turn_pale_by_night_but_not_hunters_nor_a_courting_male(four):
+    four.sea.sky[1] = 0.0
+    four.minds.kind[2] = PREDATOR
+    _wait(four, 5.0)
+    np.testing.assert_allclose(four.fishes.display, [1.0, -1.0, 0.0, -1.0], atol=0.01)
+    assert (four.fishes.raised >= 0.0).all()
 
 
 def test_fishes_raise_their_fins_to_mates_and_predators(four):

@@ -13,14 +13,23 @@ from subsea.behavior.manoeuvring import abdomen_of
 from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
-from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING
+from subsea.state import (
+    APPROACHING,
+    ASCENDING,
+    CIRCLING,
+    LOOPING,
+    NO_COURTSHIP,
+    NOBODY,
+    NUZZLING,
+    SPAWNING,
+)
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 from tests.support.daily import only
 
-DANCE = [APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING]
+DANCE = [APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING]
 
 
 def _world(*shoals: dict[str, Any], seed: int = 1) -> World:
@@ -34,7 +43,7 @@ def _world(*shoals: dict[str, Any], seed: int = 1) -> World:
             {
                 "title": "A bay", "seed": seed, "fish": fish,
                 "bounds": {"radius_cm": 1000.0, "depth_cm": 600.0},
-                "water": {"fog": (0.0, 0.1, 0.2), "visibility_cm": 1500.0},
+                "water": {"fog": (0.0, 0.1, 0.2), "visibility_cm": 1500.0, "hour": 17.5},
                 "terrain": {"dune_height_cm": 0.0, "dune_length_cm": 600.0},
                 "submarine": {"position_cm": (-300.0, -300.0, -330.0)},
             },
@@ -82,6 +91,8 @@ def test_a_pair_dances_from_approach_to_spawning(species, male_cm, female_cm):
     world = _world(_one(species, -80, -40, male_cm, True), _one(species, 0, 0, female_cm, False))
     fishes, minds = world.state.fishes, world.state.minds
     states, began, counts, touched = [NO_COURTSHIP], {}, {}, []
+    gaps = {state: [] for state in (CIRCLING, ASCENDING, NUZZLING, SPAWNING)}
+    mouths, length = [], 0.5 * (male_cm + female_cm)
     for _ in _swim(world, 130.0):
         _assert_agreed(world)
         state = int(minds.courtship[0])
@@ -90,17 +101,27 @@ def test_a_pair_dances_from_approach_to_spawning(species, male_cm, female_cm):
             began[state] = (world.state.tick * TICK_S, fishes.position[1].copy())
         if state == NO_COURTSHIP and NUZZLING in states:
             break
+        if state in gaps:
+            gaps[state].append(np.linalg.norm(fishes.position[0] - fishes.position[1]) / length)
+        if state == NUZZLING:
+            mouths.append(np.linalg.norm(np.array(abdomen_of(fishes, 1)) - mouth_of(fishes, 0)))
         counts[state] = minds.courtship_count.copy()
         nudged = state == NUZZLING and minds.courtship_count[0] > len(touched)
         if nudged:
             belly, mouth = abdomen_of(fishes, 1), mouth_of(fishes, 0)
             touched.append(np.array(belly) - mouth)
     assert states == [NO_COURTSHIP, *DANCE, NO_COURTSHIP]
-    assert 40.0 < began[NO_COURTSHIP][0] - began[APPROACHING][0] < 120.0
+    assert 15.0 < began[NO_COURTSHIP][0] - began[APPROACHING][0] < 60.0
     assert counts[LOOPING][0] >= POINTS - 1  # the last one ends the state in the same tick
     assert abs(counts[CIRCLING][1]) == pytest.approx(TURNS, abs=0.05)
     rise = began[NUZZLING][1][2] - began[ASCENDING][1][2]
     assert rise == pytest.approx(RISE_BL * female_cm, rel=0.2)
+    for state, apart in gaps.items():
+        assert np.median(apart) < (1.1 if state < NUZZLING else 0.9), state
+    assert 0.1 < np.median(mouths) / male_cm < 0.4
+    rushed, released = began[SPAWNING], began[NO_COURTSHIP]
+    assert 1.0 < released[0] - rushed[0] < 3.0
+    assert released[1][2] - rushed[1][2] > 1.2 * female_cm
     assert len(touched) == NUDGES - 1
     for gap in touched:
         # In the tick after the touch, and from below.

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from subsea.behavior import courtship, mating
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, POINTS, preferred
 from subsea.behavior.nuzzling import NUDGES
+from subsea.behavior.spawning import RUSH_S
 from subsea.state import (
     APPROACHING,
     ASCENDING,
@@ -22,6 +23,7 @@ from subsea.state import (
     NUZZLING,
     PREDATOR,
     PREY,
+    SPAWNING,
 )
 
 FEMALE = 0
@@ -224,7 +226,7 @@ def test_shunning_ends_after_a_while(tank):
     assert t.minds.partner[1] == FEMALE
 
 
-@pytest.mark.parametrize("state", [LOOPING, CIRCLING, ASCENDING, NUZZLING])
+@pytest.mark.parametrize("state", [LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING])
 @pytest.mark.parametrize("why", ["death", "lost", "hunger", "too long", "turned away"])
 def test_no_pair_is_left_dangling_or_stuck(tank, state, why):
     t = _bay(tank)
@@ -260,11 +262,28 @@ def test_a_short_interruption_does_not_end_a_courtship(tank):
     assert t.minds.courtship[FEMALE] == CIRCLING
 
 
-def test_after_the_last_nudge_both_have_mated_and_part(tank):
-    t = _bay(tank).at(3000)
+def test_after_the_last_nudge_both_rush_up_side_by_side(tank):
+    t = _bay(tank)
     _pair(t, 1, NUZZLING)
     t.minds.courtship_count[1] = NUDGES
     t.run(mating.act)
+    assert (t.minds.courtship == SPAWNING).all()
+    t.run(mating.act)
+    for urge in t.minds.urge:
+        assert urge[2] > 0.7 * np.linalg.norm(urge)
+    np.testing.assert_allclose(t.minds.urge[1], t.minds.urge[FEMALE])
+    assert (t.fishes.goal_speed >= 1.0).all()
+
+
+def test_after_the_rush_both_have_mated_part_and_return_to_the_depth(tank):
+    t = _bay(tank).at(3000)
+    _pair(t, 1, SPAWNING)
+    t.minds.courtship_time[:] = RUSH_S + 0.1
+    t.minds.courtship_mark[:] = -340.0
+    t.minds.ardent[:] = True
+    t.run(mating.act)
+    assert not t.minds.ardent.any()
+    assert (t.minds.waypoint[:, 2] < -340.0).all()
     assert _free(t, FEMALE, 1)
     np.testing.assert_allclose(t.minds.last_mating, 3000 * 0.033, rtol=1e-6)
     assert t.minds.shunned.tolist() == [1, FEMALE]

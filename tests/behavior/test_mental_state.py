@@ -12,11 +12,13 @@ ONE = np.zeros(1, np.int64)
 TICK = 0.033
 
 
-def _feel(tank, seconds=0.0, **minds):
-    t = tank()
+def _feel(tank, seconds=0.0, hour=18.0, day_libido=0.1, **minds):
+    t = tank(day_libido=day_libido)
+    t.sea.sky[0] = hour
     for name, value in minds.items():
         getattr(t.minds, name)[:] = value
-    update_mental_state(ONE, t.fishes, t.minds, t.nature, Clock(1, round(seconds / TICK), TICK))
+    clock = Clock(1, round(seconds / TICK), TICK)
+    update_mental_state(ONE, t.fishes, t.minds, t.sea, t.nature, clock)
     return t.minds.mental[0], t.minds
 
 
@@ -74,3 +76,16 @@ def test_only_prey_fear_and_only_pacifists_court(tank, menaces):
         mental, _ = _feel(tank, 30.0, kind=kind, menaces=menaces, libido_rate=0.025, eaten=1.0)
         assert mental[FEAR] == pytest.approx(min(menaces, 1.0) if kind == PREY else 0.0)
         assert (mental[LIBIDO] > 0) == (kind == PACIFIST)
+
+
+def test_libido_is_full_about_dusk_and_low_at_other_hours_except_where_it_was_set(tank):
+    full = {"kind": PACIFIST, "libido_rate": 0.025, "eaten": 4.0, "appetite": 4.0, "digestion": 0.0}
+    found = [
+        float(_feel(tank, 60.0, hour=hour, **full)[0][LIBIDO])
+        for hour in (0.0, 6.0, 12.0, 15.0, 16.0, 16.5, 18.0, 19.0, 19.5, 20.0)
+    ]
+    assert found == pytest.approx([0.1, 0.1, 0.1, 0.1, 0.7, 1.0, 1.0, 1.0, 0.55, 0.1])
+    everywhen, _ = _feel(tank, 60.0, hour=12.0, day_libido=1.0, **full)
+    betrothed, _ = _feel(tank, 60.0, hour=12.0, betrothed=0, **full)
+    ardent, _ = _feel(tank, 60.0, hour=12.0, ardent=True, **full)
+    assert everywhen[LIBIDO] == betrothed[LIBIDO] == ardent[LIBIDO] == 1.0

@@ -29,9 +29,9 @@ from subsea.state import (
     LOOPING,
     NO_COURTSHIP,
     NOBODY,
-    NUZZLING,
     SCHOOL,
     SINKING,
+    SPAWNING,
     STOWED,
     Clock,
 )  # fmt: skip
@@ -415,7 +415,7 @@ def test_events_are_noticed_with_the_fishes_they_are_about(tmp_path):
     now()
     minds.mental[4, FEAR] = 0.9
     assert now()["fleeing"] == 2
-    minds.courtship[list(PAIR)] = NUZZLING
+    minds.courtship[list(PAIR)] = SPAWNING
     now()
     minds.courtship[list(PAIR)] = NO_COURTSHIP
     minds.shunned[list(PAIR)] = PAIR[::-1]

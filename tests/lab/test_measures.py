@@ -35,6 +35,7 @@ from subsea.state import (
     PREDATOR,
     PREY,
     SCHOOL,
+    SPAWNING,
     WANDER,
 )
 from tests.support.records import EAST, LENGTH, NORTH, TICK_S, a_record, row, still
@@ -284,10 +285,10 @@ def test_parts_of_a_dive_count_as_one():
     assert whole.seconds == pytest.approx(3 * part.seconds)
 
 
-COMPLETE = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING)
+COMPLETE = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING)
 
 
-def courting(states, heading=EAST, ticks=120):
+def courting(states, heading=EAST, ticks=140):
     """A male that goes through `states`, each for two seconds from 1 s on."""
     codes = np.zeros((ticks, 2), int)
     for k, state in enumerate(states):
@@ -305,19 +306,19 @@ def test_a_complete_courtship_has_its_states_in_order():
     assert found.states == COMPLETE
     assert found.complete and not found.rejected
     assert (found.male, found.partner) == (0, 1)
-    assert (found.start, found.duration) == pytest.approx((1.1, 10.0))
+    assert (found.start, found.duration) == pytest.approx((1.1, 12.0))
 
 
 def test_the_wrong_order_or_no_end_is_not_complete():
-    (found,) = courtships(courting((LOOPING, ASCENDING, CIRCLING, NUZZLING)))
+    (found,) = courtships(courting((LOOPING, ASCENDING, CIRCLING, NUZZLING, SPAWNING)))
     assert not found.complete
-    (found,) = courtships(courting(COMPLETE, ticks=100))
+    (found,) = courtships(courting(COMPLETE, ticks=120))
     assert not found.complete and not found.rejected
 
 
 @pytest.mark.parametrize("turns", [True, False])
 def test_a_rejected_male_turns_away(turns):
-    heading = np.tile(EAST, (120, 2, 1))
+    heading = np.tile(EAST, (140, 2, 1))
     if turns:
         heading[65:, 0] = NORTH  # 1.5 s after the end
     (found,) = courtships(courting((APPROACHING, LOOPING), heading))

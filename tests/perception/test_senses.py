@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.habitat.day import in_daylight
 from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
-from subsea.perception.senses import sense
+from subsea.perception.senses import fish_due, sense
 from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
 from subsea.state import (
     CIRCLING,
@@ -31,6 +32,27 @@ def test_light_fades_and_water_cools_with_depth(tank):
     t.run(sense)
     np.testing.assert_allclose(t.minds.light, np.exp([0.0, -300 / 700, -900 / 700]), rtol=1e-4)
     np.testing.assert_allclose(t.minds.temperature, [27.0, 24.0, 21.0], rtol=1e-4)
+
+
+def test_by_night_it_is_dark_and_fishes_see_less_far(tank):
+    t = tank(2)
+    t.sea.sky[1] = 0.0
+    t.run(sense)
+    assert (t.minds.light == 0.0).all()
+    night, day = in_daylight(t.nature, 0.0), in_daylight(t.nature, 1.0)
+    assert day == t.nature
+    assert 0.3 < night.vision_cm / day.vision_cm < 0.6
+    assert night._replace(vision_cm=day.vision_cm) == day
+
+
+def test_a_pair_that_circles_far_away_thinks_in_every_tick(tank):
+    t = tank(2)
+    t.minds.courtship[1] = CIRCLING
+    due = [
+        fish_due(t.fishes, t.minds, t.sea, 2000.0, t.clock._replace(tick=k)) for k in range(1, 9)
+    ]
+    assert [1 in who for who in due] == [True] * 8
+    assert sum(0 in who for who in due) == 1
 
 
 def test_only_fishes_that_think_perceive(tank):
@@ -126,8 +148,12 @@ def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
     t.run(sense)
 
     def possible(i, j):
-        """Mates: other sex, not shunned, not taken, strangers only of similar size."""
-        taken = t.minds.courtship[j] == CIRCLING and t.minds.partner[j] != i
+        """Mates: other sex, not shunned, not taken, strangers only of similar size.
+
+        To a female, a male is taken if he courts another.
+        """
+        states = (LOOPING, NO_COURTSHIP) if t.minds.male[i] else ()
+        taken = t.minds.courtship[j] not in states and t.minds.partner[j] not in (i, NOBODY)
         alike = 0.5 < t.fishes.length[i] / t.fishes.length[j] < 2.0
         known = t.fishes.species[i] == t.fishes.species[j]
         other = t.minds.male[i] != t.minds.male[j]

@@ -13,7 +13,7 @@ OLDEST_RECORD = Path(__file__).with_name("record_version_2.h5.xz")  # of the fir
 TICK_S = 0.1
 LENGTH = 20.0  # cm; the bodies are 2 cm wide and 6 cm high
 INTENTIONS = ["avoid", "escape", "school", "eat", "mate", "leave", "wander"]
-COURTSHIP = ["none", "approaching", "looping", "circling", "ascending", "nuzzling"]
+COURTSHIP = ["none", "approaching", "looping", "circling", "ascending", "nuzzling", "spawning"]
 # Body axes to world: heading along x with the back up, and quarter turns to the left of that.
 EAST = np.array([0.5**0.5, 0.5**0.5, 0.0, 0.0])
 NORTH = np.array([0.5, 0.5, 0.5, 0.5])

@@ -5,10 +5,12 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from subsea.base.arrays import Array
 from subsea.frame.packet import Packet
-from subsea.habitat.stone import sun_at
+from subsea.habitat.day import daylight_at
+from subsea.habitat.stone import night_at, sun_at
 from subsea.rendering.gl.shaders import view_block
 from subsea.scenario.schema import LUMINANCE, Water, attenuation
 from subsea.view.camera import View
@@ -20,6 +22,9 @@ SANDLIGHT = np.array([0.32, 0.36, 0.36])  # reflected upward by sand
 AIR = np.array([0.10, 0.17, 0.32])  # optical depth of the air, sun in the zenith
 MOST_AIR = 9.0  # air mass at the horizon
 DUSK = np.array([0.22, 0.24, 0.34])  # of the sky's light, when the sun is at the horizon
+# Night, as eyes that have adapted to it see it: light of the sky, of the moon, and the pupil.
+NIGHT, MOONLIGHT = np.array([0.110, 0.175, 0.270]), np.array([0.070, 0.100, 0.135])
+OWL, MOON_SHAFTS = 5.0, 0.3  # widest pupil; strength of shafts of the moon's light
 # Water without a type: attenuation downward in 1/cm, and shares of the extinction along the view.
 PLAIN_DOWN, PLAIN_ALONG = np.array([0.0020, 0.00080, 0.00042]), np.array([1.25, 1.0, 0.84])
 ABSORBED = 0.5  # share of different losses along the view that the eye does not make up for
@@ -51,6 +56,8 @@ class Daylight:
     along: Array  # extinction along a view ray, 1/cm
     far: Array  # radiance of distant water, seen level from LEVEL_CM
     glow: Array  # (2, 3) broad and narrow, about the sun
+    open: float = 0.0  # how far the pupil may open from WIDE to OWL, in [0, 1]
+    shafts: float = 1.0  # strength of the shafts of light
 
     @cached_property
     def adapted(self) -> Array:
@@ -63,7 +70,7 @@ class Daylight:
         return self.at(LEVEL_CM)
 
     @cached_property
-    def steady(self) -> dict[str, tuple[float, ...]]:
+    def steady(self) -> dict[str, Any]:
         """The uniforms that do not depend on the eye."""
         x, _, z = self.sun
         across = np.array([z, 0.0, -x]) / np.hypot(x, z)
@@ -79,7 +86,8 @@ class Daylight:
             "u_rise": np.exp(RISE * self.taken**0.75),
             "u_sink": VIOLET * np.exp(-SINK * np.sqrt(self.taken)),
         }
-        return {name: tuple(value.tolist()) for name, value in colours.items()}
+        shown: dict[str, Any] = {name: tuple(one.tolist()) for name, one in colours.items()}
+        return shown | {"u_shafting": self.shafts}
 
     @cached_property
     def taken(self) -> Array:
@@ -97,7 +105,8 @@ class Daylight:
     def pupil(self, depth: float) -> float:
         """Factor on all light by the pupil of an eye at a depth, cm; 1 in plain water at noon."""
         bright = LUMINANCE @ ((self.sun[2] * self.sunlight + self.skylight) * self.at(depth))
-        return float(np.clip((_usual() / bright) ** PUPIL, NARROW, WIDE))
+        wide = WIDE + (OWL - WIDE) * self.open
+        return float(np.clip((_usual() / bright) ** PUPIL, NARROW, wide))
 
 
 @lru_cache(maxsize=16)
@@ -109,7 +118,13 @@ def daylight(water: Water) -> Daylight:
     air = np.minimum(1.0 / np.maximum([sine, top], 1.0 / MOST_AIR), MOST_AIR)
     entering = max(sine, 0.02) / sun[2] / (top / noon[2])
     sunlight = SUNLIGHT * entering * np.exp(-AIR * (air[0] - air[1]))
-    skylight = SKYLIGHT * (DUSK + (1.0 - DUSK) * min(sine / top, 1.0))
+    skylight = SKYLIGHT * (DUSK + (1.0 - DUSK) * min(max(sine, 0.0) / top, 1.0))
+    dark, moon = night_at(water.hour)
+    # Where the clock stands, the pictures of a day keep the pupil that they were made for.
+    opening = max(1.0 - daylight_at(water.hour), dark) if water.day_minutes else dark
+    if dark > 0.0:
+        sunlight = (1.0 - dark) * sunlight + moon * MOONLIGHT
+        skylight = skylight + dark * (NIGHT - skylight)
     now, then = sun[2] * sunlight + skylight, noon[2] * SUNLIGHT + SKYLIGHT
     green = -np.log(CONTRAST_LEFT) / water.visibility_cm
     far, glow = np.array(water.far), np.array([BROAD, NEAR_SUN])
@@ -123,7 +138,7 @@ def daylight(water: Water) -> Daylight:
         glow = glow * np.clip(hue / hue[1], 0.3, 3.0)
     return Daylight(
         np.array(sun), sunlight, skylight, SANDLIGHT * now / then, down, along, far * now / then,
-        glow * sunlight / SUNLIGHT,
+        glow * sunlight / SUNLIGHT, opening, 1.0 - dark + MOON_SHAFTS * moon,
     )  # fmt: skip
 
 
@@ -160,8 +175,14 @@ def light_uniforms(water: Water, eye: Array | tuple[float, ...]) -> dict[str, An
 TIDE_S = 4 * 3600.0
 
 
+def water_of(packet: Packet, water: Water) -> Water:
+    """The `water` of a scene at the hour of a packet."""
+    return water if packet.hour is None else replace(water, hour=packet.hour)
+
+
 def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
-    """The uniforms of a view."""
+    """The uniforms of a view, in the scene's `water` at the hour of the packet."""
+    water = water_of(packet, water)
     both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
     rows = np.array([view.view, view.projection, both, np.linalg.inv(both)], np.float32)
     matrices = rows.transpose(0, 2, 1).tobytes()  # in OpenGL's column-major order

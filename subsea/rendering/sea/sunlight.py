@@ -21,6 +21,7 @@ from subsea.rendering.output.quality import Quality
 REACH_CM = 650.0  # of the map of fishes, from the eye
 DEEP_CM = 6000.0  # half the depth of that map
 MARGIN_CM = 40.0  # about all that stands
+MOVED_RAD = np.radians(1.0)  # of the sun, after which the maps are turned to it
 
 Cast = Callable[[Any], object]  # draws with a program that has `u_view_projection`
 
@@ -56,14 +57,20 @@ class SunShadows(GpuOwner):
         """`box` (2, 3) are the lowest and the highest corner of all that stands, cm."""
         super().__init__()
         self._context = context
-        self._axes = axes_of(np.array(sun_at(hour)[0]))
-        self._place = around(self._axes, box[0], box[1])
+        self._box = box
+        self._standing: dict[str, Any] = {}  # uniforms of the map of what stands, once drawn
+        self._turn(hour)
         self._program = self.own(program(context, "cast"))
         self._maps = self.own(GpuOwner())
-        self._standing: dict[str, Any] = {}  # uniforms of the map of what stands, once drawn
         self._textures: list[Any] = []
         self._framebuffers: list[Any] = []
         self._sizes = 0, 0
+
+    def _turn(self, hour: float) -> None:
+        """Turn the maps to the sun at an hour; what stands is drawn again when next needed."""
+        self._hour, self._axes = hour, axes_of(np.array(sun_at(hour)[0]))
+        self._place = around(self._axes, self._box[0], self._box[1])
+        self._standing = {}
 
     def adapt(self, quality: Quality) -> None:
         """Make maps of this quality; what stands is drawn again when next needed."""
@@ -80,14 +87,20 @@ class SunShadows(GpuOwner):
         ]
 
     def draw(
-        self, casts: Iterable[Cast], fishes: Callable[[dict[str, Any]], object], eye: Array
+        self,
+        casts: Iterable[Cast],
+        fishes: Callable[[dict[str, Any]], object],
+        eye: Array,
+        hour: float,
     ) -> dict[str, Any]:
-        """Uniforms of the maps about an eye; empty without maps.
+        """Uniforms of the maps about an eye at an hour; empty without maps.
 
         `casts` draw what stands, `fishes` those in sight. Changes the framebuffer in use.
         """
         if not self._textures:
             return {}
+        if hour != self._hour and self._axes[2] @ sun_at(hour)[0] < np.cos(MOVED_RAD):
+            self._turn(hour)
         context = self._context
         context.disable(moderngl.BLEND)
         context.enable(moderngl.DEPTH_TEST)

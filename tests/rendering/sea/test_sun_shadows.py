@@ -79,6 +79,16 @@ def test_the_shadow_of_a_fish_lies_where_the_sun_says(shade, make_packet, fish, 
     assert (np.abs(dark) > 6).mean() < 0.05
 
 
+def test_the_maps_turn_to_the_sun_of_a_moving_clock(shade, make_packet, fish):
+    one = fish(0, (0.0, 0.0, DEEP_CM - 300.0))
+    packet = make_packet([one], eye=(0.0, -30.0, -60.0), pitch=-1.3)
+    moved = shade(replace(packet, hour=15.0), 9.0)
+    row, column = np.unravel_index(moved.argmax(), moved.shape)
+    sun = np.array(sun_at(15.0)[0])
+    expected = pixel(packet, np.array(one.position) - DEEP_CM / sun[2] * sun)
+    np.testing.assert_allclose((row, column), expected, atol=12.0)
+
+
 def test_one_fish_shades_another(shade, make_packet, fish):
     sun = np.array(sun_at(12.0)[0])
     low = np.array([0.0, 0.0, -240.0])

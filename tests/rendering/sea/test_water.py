@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
-from subsea.habitat.stone import SUN
+from subsea.habitat.stone import SUN, sun_at
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.gl.textures import near_and_far, repeating
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.output.uniforms import WIDE, daylight, light_uniforms, uniforms_of
 from subsea.rendering.sea.water import disc, grid
-from subsea.scenario.schema import JERLOV, Water, attenuation
+from subsea.scenario.schema import JERLOV, LUMINANCE, Water, attenuation
 
 PLAIN_WATER = Water(fog=(0.01, 0.1, 0.2), visibility_cm=1500.0)
 PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)
@@ -254,3 +255,39 @@ def test_light_is_dimmer_and_redder_in_the_evening():
     assert (late.sunlight < 0.6 * noon.sunlight).all()
     assert late.sunlight[0] / late.sunlight[2] > 1.3 * noon.sunlight[0] / noon.sunlight[2]
     assert (late.far < 0.6 * noon.far).all()
+
+
+MOVING = Water(type="II", day_minutes=12.0)
+
+
+def brightness(hour):
+    """Luminance of level light about an eye at 3 m at an hour, with its pupil."""
+    light = daylight(structs.replace(MOVING, hour=hour))
+    level = light.sun[2] * light.sunlight + light.skylight
+    return float(LUMINANCE @ (level * light.at(300.0))) * light.pupil(300.0)
+
+
+def test_the_light_of_a_day_changes_smoothly_and_is_never_black():
+    seen = [brightness(hour) for hour in np.arange(0.0, 24.0, 0.05)]
+    assert min(seen) > 0.12 * max(seen)
+    assert np.argmax(seen) == pytest.approx(240, abs=1)
+    change = np.abs(np.diff(np.log(seen)))
+    assert change.max() < 0.12  # in three minutes of the day
+    ways = np.array([sun_at(hour)[0] for hour in np.arange(0.0, 24.0, 0.05)])
+    assert (ways[:, 2] > 0.6).all()
+    assert np.linalg.norm(np.diff(ways, axis=0), axis=1).max() < 0.08
+
+
+def test_night_is_blue_and_its_shafts_are_faint():
+    noon, night = daylight(MOVING), daylight(structs.replace(MOVING, hour=0.0))
+    assert night.skylight[2] / night.skylight[0] > 1.2 * noon.skylight[2] / noon.skylight[0]
+    assert night.sunlight.max() < 0.05 * noon.sunlight.max()
+    assert night.shafts < 0.5 < noon.shafts == 1.0
+
+
+def test_a_packet_gives_the_hour_to_a_moving_clock(make_packet, scene):
+    packet = make_packet([], eye=(0.0, 0.0, -300.0), heading=0.0, pitch=0.0, size=(320, 180))
+    (view,) = packet.views
+    late = uniforms_of(replace(packet, hour=15.0), view, MOVING)
+    assert late["u_sun"] == uniforms_of(packet, view, structs.replace(MOVING, hour=15.0))["u_sun"]
+    assert late["u_sun"] != uniforms_of(packet, view, MOVING)["u_sun"]

@@ -1,0 +1,58 @@
+"""The spawning rush: a burst upward, side by side, and the release at its peak (Tu §7.9.3).
+
+Pairs of reef fishes dash up by some lengths within seconds, release, and dash down again
+(Thresher 1984).
+"""
+
+import numpy as np
+
+from subsea.base.arrays import Bools, Ints
+from subsea.behavior.chasing import burst, set_urge
+from subsea.behavior.manoeuvring import heading_of, scull
+from subsea.geometry.vector import minus, plus, vector
+from subsea.kernels import kernel
+from subsea.state import Clock, Fishes, Minds, Sea
+
+RUSH_S = 1.6  # how long it lasts
+STEEP = 1.4  # slope of the urge: the motor system turns as far up as it can
+BESIDE = 0.8  # of the mean width of both bodies, from middle to middle, and ...
+BESIDE_BL = 0.12  # ... of their mean length
+LIFT_BL_S, JOINING_BL_S = 0.8, 1.0  # by fins: how fast both rise, and he keeps beside her
+CEILING_BL, CEILING_CM = 0.8, 6.0  # depth under the surface at which it ends
+
+
+@kernel
+def rush(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Both burst upward on her course; he keeps beside her, as fast as she."""
+    for i in who:
+        j = np.int64(minds.partner[i])
+        her = j if minds.male[i] else i
+        course = heading_of(fishes, her)
+        set_urge(minds, i, (np.cos(course), np.sin(course), STEEP))
+        burst(fishes, minds, i)
+        # Neither leaves the other behind.
+        theirs = max(fishes.burst[j], np.float32(1.0)) * fishes.fast[j]
+        fishes.goal_speed[i] = min(fishes.goal_speed[i], theirs / fishes.fast[i])
+        length = float(fishes.length[i])
+        scull(fishes, i, (0.0, 0.0, 1.0 * length), LIFT_BL_S)
+        if minds.male[i]:
+            away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+            left = -np.sin(course) * away[0] + np.cos(course) * away[1]
+            gap = BESIDE * 0.5 * (fishes.girth[i, 1] + fishes.girth[j, 1])
+            gap += BESIDE_BL * 0.5 * (length + fishes.length[j])
+            gap = gap if left >= 0.0 else -gap
+            beside = (-gap * np.sin(course), gap * np.cos(course), 0.0)
+            place = plus(vector(fishes.position[j]), beside)
+            scull(fishes, i, minus(place, vector(fishes.position[i])), JOINING_BL_S)
+
+
+@kernel
+def spawned(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
+    """True if she has rushed long enough, or is near the surface."""
+    done = np.zeros(len(who), np.bool_)
+    for k in range(len(who)):
+        i = who[k]
+        ceiling = -CEILING_BL * fishes.length[i] - CEILING_CM
+        late = minds.courtship_time[i] > RUSH_S or fishes.position[i, 2] > ceiling
+        done[k] = not minds.male[i] and late
+    return done
