@@ -28,6 +28,7 @@ from subsea.state import (
     APPROACHING,
     ASCENDING,
     CIRCLING,
+    GUARD,
     LOOPING,
     MATE,
     NO_COURTSHIP,
@@ -290,4 +291,5 @@ def ease_display(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     for i in who:
         courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
         fishes.display[i] += share * ((1.0 if courts else 0.0) - fishes.display[i])
-        fishes.raised[i] = max(fishes.display[i], minds.menace[i])
+        threat = 1.0 if minds.intention[i] == GUARD else float(minds.menace[i])
+        fishes.raised[i] = max(float(fishes.display[i]), threat)

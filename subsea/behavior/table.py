@@ -13,9 +13,12 @@ from subsea.behavior import (
     curious,
     eating,
     escaping,
+    grazing,
     leaving,
     mating,
     schooling,
+    sheltering,
+    territory,
     wandering,
 )
 from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Desire
@@ -39,6 +42,16 @@ OURS = (
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
+    Behavior(
+        "graze",
+        grazing.act,
+        ((APPETITE, grazing.desire), (EASE, grazing.browsing_desire)),
+        tires=True,
+    ),
+    Behavior("bathe", sheltering.bathe, ((EASE, sheltering.bathing_desire),)),
+    Behavior("guard", territory.act, ((APPETITE, territory.desire),), tires=True, in_turn=True),
+    Behavior("yield", territory.give_way, ((DANGER, territory.yielding_desire),)),
+    Behavior("shelter", sheltering.act, ((DANGER, sheltering.desire),)),
 )
 
 

@@ -152,6 +152,7 @@ def _between(
 
 
 TOUCH_CM, TOUCH_BL = 3.0, 0.06  # gap of a touching body, with room for its bends
+GRAZING_CM = 0.3  # gap of a body that feeds or hides at a surface
 OUT_PER_S = 6.0  # outward speed per cm of a gap that is too small
 SLOPE_CM = 10.0  # baseline of the slope of the seabed
 PASSES = 2  # over the barriers, so that in a corner neither undoes the other
@@ -170,7 +171,7 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
             continue
         middle, length = vector(fishes.position[i]), float(fishes.length[i])
         speed = norm(plus(vector(own[i]), vector(fishes.drift[i])))
-        touch = TOUCH_CM + TOUCH_BL * length
+        touch = _touch(fishes, i)
         reach = length + touch + speed * dt
         ahead, snout = x_axis(fishes.orientation[i]), float(fishes.snout[i])
         rim = math.sqrt(middle[0] * middle[0] + middle[1] * middle[1])
@@ -186,6 +187,12 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, reach):
                 _keep_off(fishes, i, sea.rocks[k], own[i], dt)
+
+
+@kernel
+def _touch(fishes: Fishes, i: int) -> float:
+    """Gap, cm, to barriers that fish i keeps: little while it feeds or hides at one."""
+    return GRAZING_CM if fishes.close[i] else TOUCH_CM + TOUCH_BL * float(fishes.length[i])
 
 
 @kernel
@@ -219,7 +226,7 @@ def _keep_off(fishes: Fishes, i: int, solid: Array, own: Array, dt: float) -> No
     for half in range(3):
         part = plus(middle, times(snout - 0.5 * half * length, ahead))
         way, gap = _from_solid(solid, _later(part, own, fishes.drift[i], dt))
-        touch = TOUCH_CM + TOUCH_BL * length
+        touch = _touch(fishes, i) - float(fishes.shell[i])
         if gap < touch:
             _push(fishes.drift[i], way, _from_solid(solid, part)[1], gap, touch, dt)
 

@@ -303,9 +303,13 @@ def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> b
 def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature) -> None:
     """Set `minds.barrier` of the fishes `who`: the first obstacle that a ray ahead meets.
 
-    A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body.
+    A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body. None for a
+    fish that feeds or hides close to stone.
     """
     for i in who:
+        if fishes.close[i]:
+            minds.barrier[i] = -1
+            continue
         antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
         minds.barrier[i] = met_first(fishes, i, sea, held * antenna)

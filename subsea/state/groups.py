@@ -36,6 +36,7 @@ from subsea.state.declaration import (
     PANELS,
     ROW,
     SEGMENT,
+    SITE,
     U8,
     U16,
     Spec,
@@ -139,6 +140,10 @@ class Fishes(NamedTuple):
     gape: Annotated[F32, behavior("n"), "opening of the mouth asked for, in [0, 1]"]
     display: Annotated[F32, behavior("n"), "strength of the mating colours, in [0, 1]"]
     raised: Annotated[F32, behavior("n"), "raising of dorsal and ventral fin asked for, in [0, 1]"]
+    close: Annotated[BOOL, behavior("n"), "whether it feeds or hides at stone, and may touch it"]
+    shell: Annotated[
+        F32, behavior("n", unit="cm"), "how deep it may be in the free shell around drawn stone"
+    ]
 
 
 class Live(NamedTuple):
@@ -188,6 +193,9 @@ class Minds(NamedTuple):
     home: Annotated[F32, creation("n", 3, unit="cm"), "place that it keeps to, as an anemone"]
     home_range: Annotated[F32, creation("n", unit="cm", start=NEVER), "how far it goes from there"]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
+    diet: Annotated[U8, creation("n"), "foods on stone: bits 1 << TURF to 1 << RUBBLE, 0 for none"]
+    ways: Annotated[U8, creation("n"), "how it lives on stone: bits HIDES and BATHES"]
+    territory: Annotated[F32, creation("n", unit="cm"), "radius about its home that it guards"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
     leader_place: Annotated[
@@ -221,6 +229,10 @@ class Minds(NamedTuple):
         "object of the intention: a fish, speck or BAIT, -1 for none",
     ]
     preference: Annotated[F32, perception("n", 6), "motor preferences, columns LEFT to DESCEND"]
+    site: Annotated[SITE, perception("n"), "where it feeds, -1 for nowhere"]
+    cover: Annotated[SITE, perception("n"), "nearest place to hide or bathe, -1 for none"]
+    shadow: Annotated[F32, perception("n"), "darkest shadow of a large thing overhead, in [0, 1]"]
+    intruder: Annotated[FISH, perception("n"), "fish in its territory, or NOBODY"]
 
     mental: Annotated[F32, behavior("n", 3), "columns HUNGER, LIBIDO, FEAR, in [0, 1]"]
     eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
@@ -257,6 +269,10 @@ class Minds(NamedTuple):
     alone: Annotated[F32, behavior("n", unit="s"), "time for which the partner minded others"]
     shunned: Annotated[FISH, behavior("n"), "no longer courted: it refused, or they just spawned"]
     shunning: Annotated[F32, behavior("n", unit="s"), "time until `shunned` is forgotten"]
+    peck: Annotated[F32, behavior("n", unit="s"), "time until it bites again at `site`"]
+    wary: Annotated[F32, behavior("n", unit="s"), "time until it leaves its cover"]
+    chaser: Annotated[FISH, behavior("n"), "whose territory it leaves, or NOBODY"]
+    chased: Annotated[F32, behavior("n", unit="s"), "time until it forgets `chaser`"]
 
     errand: Annotated[F32, directing("n"), "share of its fastest speed to its waypoint, 0 for none"]
     fright: Annotated[F32, directing("n", start=-1), "imposed fear; negative: what it sees decides"]
@@ -314,6 +330,13 @@ class Sea(NamedTuple):
     ]
 
     crest: Annotated[NUMBER, creation(unit="cm", start=NEVER), "of the seabed inside the sea"]
+
+    site_kind: Annotated[U8, creation("s"), "index into SITES"]
+    site_place: Annotated[F32, creation("s", 3, unit="cm"), "on the drawn surface, or in its cover"]
+    site_normal: Annotated[F32, creation("s", 3), "unit vector out of that surface"]
+    site_depth: Annotated[F32, creation("s", unit="cm"), "below what fishes avoid around stone"]
+    site_growth: Annotated[I32, creation("s", start=-1), "growth of the reef that it is on, or -1"]
+    stock: Annotated[F32, water("s", start=1), "share of the food that is left, in [0, 1]"]
 
 
 class Seaweed(NamedTuple):

@@ -15,7 +15,7 @@ from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
-from subsea.state import KINDS, TRAITS, Fishes, Minds, Reef, Sea
+from subsea.state import BATHES, HIDES, KINDS, SITES, TRAITS, Fishes, Minds, Reef, Sea
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
@@ -98,6 +98,7 @@ def populate(world: World, rng: np.random.Generator) -> None:
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     _let_out(fishes, library, sea)
     settle(world.species, fishes, minds, world.state.reef)
+    set_ways(world.species, fishes, minds)
     world.initial_traits = {name: getattr(minds, name).copy() for name in TRAITS}
 
 
@@ -130,6 +131,19 @@ def settle(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Reef)
             if gaps.min(initial=np.inf) < HOME_CM:
                 minds.home[i] = tops[gaps.argmin()] + (0.0, 0.0, ABOVE_HOME_CM)
                 break
+
+
+def set_ways(species: Sequence[Species], fishes: Fishes, minds: Minds) -> None:
+    """Give fishes the diet, the cover and the territory of their species.
+
+    Only a fish with a home guards a territory.
+    """
+    plans = [one.life for one in species]
+    diets = [sum(1 << SITES.index(food) for food in set(plan.eats)) for plan in plans]
+    ways = [HIDES * plan.hides + BATHES * plan.bathes for plan in plans]
+    minds.diet[:], minds.ways[:] = np.array(diets)[fishes.species], np.array(ways)[fishes.species]
+    radii = np.array([plan.territory_cm or 0.0 for plan in plans])[fishes.species]
+    minds.territory[:] = np.where(np.isfinite(minds.home_range), radii, 0.0)
 
 
 def burst_speed(library: Library, kind: int) -> float:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior import biting, eating, hunting, schooling, steering
+from subsea.behavior import biting, eating, grazing, hunting, schooling, steering
 from subsea.behavior.chasing import tire
 from subsea.behavior.courtship import ease_display
 from subsea.behavior.intention import choose_intention
@@ -34,6 +34,7 @@ from subsea.habitat.current import add_bow_wave, flow_at, set_drift, shear_at
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
+from subsea.habitat.sites import regrow
 from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share
 from subsea.motor.containment import contain
@@ -43,6 +44,7 @@ from subsea.motor.playback import play
 from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
+from subsea.perception.sites import large_of, see_sites
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
@@ -144,6 +146,7 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     ]
     run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
     move_hook(sea, clock)
+    regrow(sea, clock.dt)
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:
@@ -158,6 +161,10 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
         feeding = order.fish[order.feeds]
         who = np.union1d(who, feeding[fishes.alive[feeding]])
     sense(who, fishes, minds, sea, world.nature, clock)
+    if len(sea.stock):
+        lives = who[(minds.diet[who] | minds.ways[who]) > 0]
+        around = world.site_grids, large_of(fishes)
+        share(see_sites, lives, LEAST_MINDS, fishes, minds, sea, world.nature, clock, *around)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
     return who
@@ -182,6 +189,7 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     """Turn the intentions of the fishes `free` into goals; update eating, biting and colours."""
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     fishes.gape[free] = 0.0
+    fishes.close[free] = False
     run_routines(free, fishes, minds, sea, world.nature, clock)
     share(steering.keep_clear, free, LEAST_MINDS, fishes, minds, sea)
     if isinstance(order, TeleopCommands):
@@ -192,6 +200,8 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)
     biting.bite(fishes, minds, sea, clock)
+    if len(sea.stock):
+        grazing.bite(fishes, minds, sea, clock)
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, clock)
 
 
