@@ -68,7 +68,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             # It looks out, with its back to the stone.
             normal = vector(sea.site_normal[s])
             ahead = x_axis(fishes.orientation[i])
-            out = plus((ahead[0], ahead[1], 0.0), (normal[0], normal[1], 0.0))
+            out = plus((0.5 * ahead[0], 0.5 * ahead[1], 0.0), (normal[0], normal[1], 0.0))
             set_urge(minds, i, out if norm(out) > 1e-3 else ahead)
             fishes.goal_speed[i] = HOVERS
 
