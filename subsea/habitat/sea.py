@@ -9,6 +9,7 @@ from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
 from subsea.geometry.solids import height_at
 from subsea.habitat import plankton
+from subsea.habitat.day import HOURS, daylight_at
 from subsea.habitat.rocks import rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
 from subsea.kernels import kernel
@@ -54,6 +55,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[st
             "rocks": rocks,
             "climate": np.array([*water.temperature_c, bounds.depth_cm, water.light_depth_cm]),
             "plankton": specks,
+            "sky": np.array([water.hour % HOURS, daylight_at(water.hour)]),
             "tackle": hook_constants(scenario.hook, lowered),
             "crest": crest(heights, width, bounds.radius_cm),
         },

@@ -97,7 +97,9 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     # Jerlov's optical type. `fog` and `visibility_cm` replace what follows from it; one of both
     # ways must say how the water looks.
     type: WaterType | None = None
-    hour: Annotated[float, msgspec.Meta(ge=6, le=18)] = 12.0  # of the day; the sun is up 6 to 18
+    hour: Annotated[float, msgspec.Meta(ge=0, le=24)] = 12.0  # at the start; the sun is up 6 to 18
+    # Length of a day in minutes of the dive; 0: the hour stays. Faster days would flash.
+    day_minutes: Annotated[float, msgspec.Meta(ge=0, le=1440)] = 0.0
     fog: Colour | None = None  # linear RGB of the far water, seen level
     # Distance at which contrast falls to 2%; 0: that of the type.
     visibility_cm: Annotated[float, msgspec.Meta(ge=50, le=1e5)] = 0.0
@@ -107,7 +109,9 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     light_depth_cm: Positive = 700.0  # depth at which light falls to 1/e
 
     def __post_init__(self) -> None:
-        """Take the visibility from the type; refuse water of unknown look."""
+        """Take the visibility from the type; refuse water of unknown look, and days that flash."""
+        if 0.0 < self.day_minutes < 1.0:
+            raise ValueError("`day_minutes` must be 0, which stops the clock, or at least 1")
         if self.type is None and (self.fog is None or not self.visibility_cm):
             missing = "fog" if self.fog is None else "visibility_cm"
             raise ValueError(f'expected `{missing}`, or a `type` of water such as "II"')

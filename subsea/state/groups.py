@@ -315,6 +315,10 @@ class Sea(NamedTuple):
     absent: Annotated[F32, water("p", unit="s"), "time until an eaten speck is back"]
     seaweed: Annotated[F32, habitat("c", 6, unit="cm"), "bounding box of each cluster: low, high"]
 
+    sky: Annotated[
+        F64, habitat(2, start=(12.0, 1.0)), "hour of the day in [0, 24); daylight, 0 at night to 1"
+    ]
+
     submarine: Annotated[F64, written_by("world")(9), "cm, cm/s, unit vector ahead"]
 
     tackle: Annotated[

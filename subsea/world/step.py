@@ -31,6 +31,7 @@ from subsea.directing.script import DirectingContext
 from subsea.habitat import plankton
 from subsea.habitat.contact import keep_in_free_water, separate
 from subsea.habitat.current import add_bow_wave, flow_at, set_drift, shear_at
+from subsea.habitat.day import move_sky
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
@@ -131,14 +132,15 @@ def cue_direction(world: World, k: int) -> None:
 
 
 def move_water(world: World, everyone: Ints, clock: Clock) -> None:
-    """Move the current, plankton, seaweed and the hook, and apply the forces on fishes."""
+    """Move the sky, current, plankton, seaweed and hook, and apply the forces on fishes."""
     state, sea, fishes = world.state, world.state.sea, world.state.fishes
     flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
     sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
     sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
-    visibility, cells = world.scenario.water.visibility_cm, world.rock_cells
+    water, cells = world.scenario.water, world.rock_cells
+    move_sky(sea, water.hour, water.day_minutes, clock)
     specks, clusters = np.arange(len(sea.plankton)), np.arange(len(sea.seaweed))
-    seaweed = state.seaweed, fishes, sea, cells, flow, visibility, clock
+    seaweed = state.seaweed, fishes, sea, cells, flow, water.visibility_cm, clock
     tasks = [
         *cut(plankton.drift, specks, LEAST_SPECKS, sea, cells, flow, clock),
         *cut(step_seaweed, clusters, LEAST_CLUSTERS, *seaweed),

@@ -93,8 +93,13 @@ def test_shipped_scenarios_are_valid(name):
         (("dune_length_cm = 620.0", "dune_length_cm = 0.001"), ["terrain.dune_length_cm"]),
         (("number = 33", "number = 99999"), ["100026 fishes in all"]),
         (('type = "IB"', 'type = "2C"'), ["water.type", "'2C'"]),
-        (('type = "IB"', 'type = "IB"\nhour = 19'), ["water.hour", "at most 18"]),
-        (('type = "IB"', 'type = "IB"\nhour = 5.5'), ["water.hour", "at least 6"]),
+        (('type = "IB"', 'type = "IB"\nhour = 25'), ["water.hour", "at most 24"]),
+        (('type = "IB"', 'type = "IB"\nhour = -1'), ["water.hour", "at least 0"]),
+        (
+            ('type = "IB"', 'type = "IB"\nday_minutes = 0.5'),
+            ["`water`", "`day_minutes` must be 0, which stops the clock, or at least 1"],
+        ),
+        (('type = "IB"', 'type = "IB"\nday_minutes = -2'), ["water.day_minutes", "at least 0"]),
         (("fog = [0.007, 0.080, 0.190]", "fog = [0.0, 0.1]"), ["water.fog"]),
         (
             ('type = "IB"\nfog = [0.007, 0.080, 0.190]', ""),
