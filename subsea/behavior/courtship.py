@@ -33,6 +33,7 @@ from subsea.state import (
     MATE,
     NO_COURTSHIP,
     NOBODY,
+    POSE,
     Clock,
     Fishes,
     Minds,
@@ -291,5 +292,6 @@ def ease_display(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     for i in who:
         courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
         fishes.display[i] += share * ((1.0 if courts else 0.0) - fishes.display[i])
-        threat = 1.0 if minds.intention[i] == GUARD else float(minds.menace[i])
+        shows = minds.intention[i] == GUARD or minds.intention[i] == POSE
+        threat = 1.0 if shows else float(minds.menace[i])
         fishes.raised[i] = max(float(fishes.display[i]), threat)

@@ -158,13 +158,19 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
         if gap > BITE_BL * fishes.length[i] or sea.stock[s] <= 0.0 or not fishes.alive[i]:
             continue
         sea.stock[s] = max(sea.stock[s] - np.float32(BITE), np.float32(0.0))
-        left = max(1.0 - minds.digestion[i] * (now - minds.last_meal[i]), 0.0)
-        meals = BITE_S * minds.digestion[i] * minds.appetite[i]
-        minds.eaten[i] = min(minds.eaten[i] * left + meals, minds.appetite[i])
-        minds.last_meal[i] = now
+        feed(minds, i, BITE_S, now)
         minds.fatigue[GRAZE, i] = 0.0
         low, high = PAUSE_S
         share = uniform(clock.seed, i, clock.tick, PAUSE_PURPOSE)
         minds.peck[i] = low + (high - low) * share
         if sea.stock[s] < BARE:
             minds.site[i], minds.peck[i] = -1, 0.0
+
+
+@kernel
+def feed(minds: Minds, i: int, covers: float, now: float) -> None:
+    """Give fish i what it digests in `covers` s; what it has digested until `now` is settled."""
+    left = max(1.0 - minds.digestion[i] * (now - minds.last_meal[i]), 0.0)
+    meals = covers * minds.digestion[i] * minds.appetite[i]
+    minds.eaten[i] = min(minds.eaten[i] * left + meals, minds.appetite[i])
+    minds.last_meal[i] = now

@@ -14,6 +14,7 @@ from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, 
 from subsea.kernels import kernel
 from subsea.state import BATHES, Clock, Fishes, Minds, Nature, Sea
 
+REST = 0.5  # desire for cover by night
 ALARM = 0.8  # desire for cover of a fish under a shadow
 HIDE_S = (6.0, 14.0)  # how long a fish stays after the shadow has gone, by its identity
 SLACK_CM = 3.0  # depth below its cover that a body may reach
@@ -42,7 +43,9 @@ def desire(
         afraid = minds.shadow[i] > 0.0 or minds.fright[i] > nature.alarmed
         if minds.cover[i] >= 0 and minds.ways[i] and afraid:
             minds.wary[i] = low + (high - low) * fishes.identity[i]
-        out[i] = ALARM if minds.wary[i] > 0.0 and minds.cover[i] >= 0 else 0.0
+        out[i] = 0.0
+        if minds.cover[i] >= 0:
+            out[i] = ALARM if minds.wary[i] > 0.0 else REST if minds.dark[i] else 0.0
 
 
 @kernel

@@ -10,12 +10,14 @@ from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times,
 from subsea.kernels import kernel
 from subsea.state import (
     BATHE,
+    CLEAN,
     EAT,
     ESCAPE,
     GRAZE,
     HULL_CM,
     LEFT,
     MATE,
+    POSE,
     PREDATOR,
     RIGHT,
     SHELTER,
@@ -33,7 +35,7 @@ CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
 CORNERED = 0.1  # part of a unit urge; in a corner a solid turns more toward the wall
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, except of the intentions STEEP
-STEEP = (ESCAPE, EAT, MATE, GRAZE, BATHE, SHELTER)
+STEEP = (ESCAPE, EAT, MATE, GRAZE, BATHE, SHELTER, POSE, CLEAN)
 LEAVES_CM_S = 20.0  # how fast a fish that has fed leaves the shell of free water around stone
 SLOPE_CM = 20.0  # baseline of the seabed's slope
 

@@ -10,6 +10,7 @@ from subsea.base.progress import say
 from subsea.behavior import (
     avoiding,
     biting,
+    cleaning,
     curious,
     eating,
     escaping,
@@ -52,6 +53,8 @@ OURS = (
     Behavior("guard", territory.act, ((APPETITE, territory.desire),), tires=True, in_turn=True),
     Behavior("yield", territory.give_way, ((DANGER, territory.yielding_desire),)),
     Behavior("shelter", sheltering.act, ((DANGER, sheltering.desire),)),
+    Behavior("pose", cleaning.pose, ((EASE, cleaning.posing_desire),)),
+    Behavior("clean", cleaning.act, ((EASE, cleaning.desire),), in_turn=True),
 )
 
 

@@ -11,6 +11,7 @@ from subsea.state import (
     AVOID,
     BAIT,
     BATHE,
+    CLEAN,
     EAT,
     ESCAPE,
     GRAZE,
@@ -20,6 +21,7 @@ from subsea.state import (
     MENTAL_STATES,
     NOBODY,
     POLYPS,
+    POSE,
     PREDATOR,
     RUBBLE,
     SCHOOL,
@@ -86,6 +88,12 @@ def focus(world: World, fish: int) -> Focus:
         own = int(sea.site_kind[minds.cover[fish]]) == ANEMONE
         place = sea.site_place[minds.cover[fish]]
         return "its anemone" if own else "a hiding place", _far(world, fish, place)
+    if intention == POSE:
+        return _somebody(world, fish, int(minds.cleaner[fish]))
+    if intention == CLEAN and minds.client[fish] == NOBODY:
+        return "its station", _far(world, fish, minds.home[fish])
+    if intention == CLEAN:
+        return _somebody(world, fish, int(minds.client[fish]))
     if intention == GUARD:
         return _somebody(world, fish, int(minds.intruder[fish]))
     if intention == YIELD:

@@ -165,6 +165,7 @@ class LifePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     eats: list[Food] = []  # on stone; without it, or out of its sight, it eats plankton or prey
     hides: bool = False  # under overhangs and in corals, at a shadow
     bathes: bool = False  # in an anemone near its home
+    cleans: bool = False  # others, at a station on a large coral
     territory_cm: Annotated[float, msgspec.Meta(ge=1, le=1000)] | None = None  # about its home
 
 

@@ -68,6 +68,7 @@ class Sites(NamedTuple):
     normal: Array  # (s, 3) float32, unit vectors out of the drawn surface
     growth: Ints  # (s,) int32, of the reef, or -1
     depth: Array  # (s,) float32, cm, below what fishes avoid around stone
+    stones: Array  # (q, 11) blocks of all formations
 
 
 def lay_sites(sea: Sea, reef: Reef) -> Sea:
@@ -80,7 +81,7 @@ def lay_sites(sea: Sea, reef: Reef) -> Sea:
     return sea._replace(
         site_kind=sites.kind, site_place=sites.place, site_normal=sites.normal,
         site_growth=sites.growth, site_depth=sites.depth,
-        stock=np.ones(len(sites.kind), np.float32),
+        stock=np.ones(len(sites.kind), np.float32), stones=sites.stones,
     )  # fmt: skip
 
 
@@ -104,6 +105,7 @@ def _find(sea: Sea, reef: Reef) -> Sites:
     return Sites(
         kind[order].astype(np.uint8), place[order].astype(f), normal[order].astype(f),
         growth[order].astype(np.int32), depth[order].astype(f),
+        np.concatenate([np.zeros((0, 11)), *formations(sea.pillars, sea.rocks)]),
     )  # fmt: skip
 
 

@@ -18,12 +18,14 @@ from subsea.perception.vision import ahead_of, eye_of, hidden
 from subsea.state import (
     ANEMONE,
     BATHES,
+    CLEANS,
     COVER,
     FOODS,
     HIDES,
     HUNGER,
     NO_COURTSHIP,
     NOBODY,
+    POSE,
     SITES,
     Clock,
     Fishes,
@@ -48,6 +50,11 @@ CHANCE_CM = 25.0  # by which the choice of a place varies
 STILL_HUNGRY = 0.3  # share of `keen` at which a feeding fish is full
 CYCLE_S = (40.0, 70.0)  # in which a fish browses, by its identity ...
 BROWSING = 0.33  # ... for this share: reef fishes feed for much of the day
+STATION_CM, CLEANER_CM = 180.0, 500.0  # around a station; from which a client sees a cleaner
+AWAY_CM = 300.0  # distance of a cleaner from its station at which it has no clients
+ITCHES = 0.35  # itch at which a fish looks for a cleaner
+NIGHT_CM = 800.0  # distance from which a fish goes to cover for the night
+DUSK, SMALL_CM = (0.08, 0.3), 12.0  # daylight at which large and small fishes retire
 LARGE_CM = 80.0  # a longer fish casts a shadow that frightens
 OUTSIZED = 3.0  # ... if it is so many times as long as the fish below
 HULL_HALF_CM = 110.0  # half the length of the submarine
@@ -76,26 +83,56 @@ def grids_of(sea: Sea) -> SiteGrids:
     return first, a, b, c, d, e
 
 
-def large_of(fishes: Fishes) -> Grid:
-    """Sort the large fishes, whose shadows frighten small ones."""
-    large = np.flatnonzero(fishes.alive & (fishes.length >= LARGE_CM))
-    return make_grid(fishes.position, large, SHADOW_CM)
+class Reefers(NamedTuple):
+    """Fishes that those of a reef look for."""
+
+    large: Grid  # whose shadows frighten
+    cleaners: Grid
+    posing: Grid  # for a cleaner
+
+
+def reefers_of(fishes: Fishes, minds: Minds) -> Reefers:
+    """Sort large fishes, cleaners and their clients."""
+    alive = fishes.alive
+    chosen = alive & (fishes.length >= LARGE_CM), alive & (minds.ways & CLEANS > 0)
+    groups = *chosen, alive & (minds.intention == POSE)
+    a, b, c = (make_grid(fishes.position, np.flatnonzero(group), STATION_CM) for group in groups)
+    return Reefers(a, b, c)
 
 
 @kernel
 def see_sites(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock,
-    grids: SiteGrids, large: Grid,
+    grids: SiteGrids, others: Reefers,
 ) -> None:  # fmt: skip
-    """Set site, cover and shadow of the fishes `who`."""
+    """Set site, cover, shadow, cleaner and client of the fishes `who`."""
     room = Nearest(np.empty(NEAREST, np.int64), np.empty(NEAREST))
-    slots = np.empty(len(large.member), np.int64)
+    slots = np.empty(len(others.large.member), np.int64)
+    one, gap = np.empty(1, np.int64), np.empty(1)
     for i in who:
         if minds.diet[i]:
             _see_food(i, fishes, minds, sea, nature, clock, grids, room)
         if minds.ways[i]:
-            minds.shadow[i] = shadow_over(fishes, i, sea, large, slots)
+            minds.dark[i] = rests(fishes, i, sea)
+            minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
             _see_cover(i, fishes, minds, sea, grids, room)
+        minds.cleaner[i] = minds.client[i] = NOBODY
+        if minds.ways[i] & CLEANS:
+            # Whoever poses nearest to its station.
+            nearest(others.posing, vector(minds.home[i]), STATION_CM, i, one, gap, GUESS_CM)
+            if one[0] >= 0 and minds.cleaner[one[0]] == i:
+                minds.client[i] = one[0]
+        elif minds.itch[i] > ITCHES:
+            here = vector(fishes.position[i])
+            nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)
+            if one[0] >= 0 and is_near_station(fishes, minds, one[0]):
+                minds.cleaner[i] = one[0]
+
+
+@kernel
+def is_near_station(fishes: Fishes, minds: Minds, i: int) -> bool:
+    """True if cleaner i is not far from its station."""
+    return norm(minus(vector(fishes.position[i]), vector(minds.home[i]))) < AWAY_CM
 
 
 @kernel
@@ -173,13 +210,16 @@ def _see_cover(
             minds.cover[i] = found[0]
         if minds.cover[i] >= 0:
             return
-    if not minds.ways[i] & HIDES or minds.wary[i] > 0.0:
+    night = minds.dark[i]
+    if not minds.ways[i] & HIDES or minds.wary[i] > 0.0 or (night and minds.cover[i] >= 0):
         return
     minds.cover[i] = -1
-    if minds.shadow[i] <= 0.0 or len(grids[COVER].member) == 0:
+    afraid = minds.shadow[i] > 0.0 or minds.fright[i] > 0.0
+    if not (afraid or night) or len(grids[COVER].member) == 0:
         return
     eye = eye_of(fishes, i)
-    nearest(grids[COVER], eye, COVER_CM, -1, found, gaps, GUESS_CM)
+    reach = COVER_CM if afraid else NIGHT_CM
+    nearest(grids[COVER], eye, reach, -1, found, gaps, GUESS_CM)
     for k in range(NEAREST):
         if found[k] < 0:
             break
@@ -187,9 +227,20 @@ def _see_cover(
         door = plus(
             vector(sea.site_place[found[k]]), times(height, vector(sea.site_normal[found[k]]))
         )
-        if gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, door):
+        # By night it goes to a place that it knows.
+        if night or gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, door):
             minds.cover[i] = found[k]
             break
+
+
+@kernel
+def rests(fishes: Fishes, i: int, sea: Sea) -> bool:
+    """True if it is too dark for fish i to be about.
+
+    Small fishes retire first in the evening and emerge last in the morning (Hobson 1972).
+    """
+    least, more = DUSK
+    return bool(sea.sky[1] < least + more * math.exp(-float(fishes.length[i]) / SMALL_CM))
 
 
 @kernel

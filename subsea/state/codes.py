@@ -14,12 +14,15 @@ PACIFIST, PREY, PREDATOR = range(3)
 
 # Intentions (Tu fig. 7.4); `behavior/table.py` has the behavior of each.
 AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
-GRAZE, BATHE, GUARD, YIELD, SHELTER = range(9, 14)  # a life on stone: rows of the same table
+GRAZE, BATHE, GUARD, YIELD, SHELTER, POSE, CLEAN = range(
+    9, 16
+)  # a life on stone: rows of the same table
 
 # What fishes look for on stone and among corals (`habitat/sites.py`); foods come first.
 SITES = ("turf", "polyps", "sponges", "rubble", "anemone", "shelter")
 TURF, POLYPS, SPONGES, RUBBLE, ANEMONE, COVER = range(6)
-HIDES, BATHES = 1, 2  # bits of `Minds.ways`: in crevices and corals, in an anemone
+# Bits of `Minds.ways`: hides in crevices and corals, bathes in an anemone, cleans others.
+HIDES, BATHES, CLEANS = 1, 2, 4
 FOODS = 4  # kinds of sites to feed at; bits of `Minds.diet`
 
 # Columns of `Minds.likes`: habits (Tu §7.3).

@@ -194,7 +194,7 @@ class Minds(NamedTuple):
     home_range: Annotated[F32, creation("n", unit="cm", start=NEVER), "how far it goes from there"]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
     diet: Annotated[U8, creation("n"), "foods on stone: bits 1 << TURF to 1 << RUBBLE, 0 for none"]
-    ways: Annotated[U8, creation("n"), "how it lives on stone: bits HIDES and BATHES"]
+    ways: Annotated[U8, creation("n"), "how it lives on stone: bits HIDES, BATHES and CLEANS"]
     territory: Annotated[F32, creation("n", unit="cm"), "radius about its home that it guards"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
@@ -232,7 +232,10 @@ class Minds(NamedTuple):
     site: Annotated[SITE, perception("n"), "where it feeds, -1 for nowhere"]
     cover: Annotated[SITE, perception("n"), "nearest place to hide or bathe, -1 for none"]
     shadow: Annotated[F32, perception("n"), "darkest shadow of a large thing overhead, in [0, 1]"]
+    dark: Annotated[BOOL, perception("n"), "whether it is too dark for it to be about"]
     intruder: Annotated[FISH, perception("n"), "fish in its territory, or NOBODY"]
+    cleaner: Annotated[FISH, perception("n"), "cleaner whose station it knows, or NOBODY"]
+    client: Annotated[FISH, perception("n"), "fish that poses for this cleaner, or NOBODY"]
 
     mental: Annotated[F32, behavior("n", 3), "columns HUNGER, LIBIDO, FEAR, in [0, 1]"]
     eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
@@ -271,6 +274,7 @@ class Minds(NamedTuple):
     shunning: Annotated[F32, behavior("n", unit="s"), "time until `shunned` is forgotten"]
     peck: Annotated[F32, behavior("n", unit="s"), "time until it bites again at `site`"]
     wary: Annotated[F32, behavior("n", unit="s"), "time until it leaves its cover"]
+    itch: Annotated[F32, behavior("n"), "how much it wants to be cleaned, in [0, 1]"]
     chaser: Annotated[FISH, behavior("n"), "whose territory it leaves, or NOBODY"]
     chased: Annotated[F32, behavior("n", unit="s"), "time until it forgets `chaser`"]
 
@@ -340,6 +344,9 @@ class Sea(NamedTuple):
     site_normal: Annotated[F32, creation("s", 3), "unit vector out of that surface"]
     site_depth: Annotated[F32, creation("s", unit="cm"), "below what fishes avoid around stone"]
     site_growth: Annotated[I32, creation("s", start=-1), "growth of the reef that it is on, or -1"]
+    stones: Annotated[
+        F64, creation("q", 11, unit="cm"), "blocks of drawn stone: see `habitat/formations.py`"
+    ]
     stock: Annotated[F32, water("s", start=1), "share of the food that is left, in [0, 1]"]
 
 

@@ -45,7 +45,7 @@ from subsea.motor.playback import play
 from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
-from subsea.perception.sites import large_of, see_sites
+from subsea.perception.sites import reefers_of, see_sites
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
@@ -165,7 +165,7 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
     sense(who, fishes, minds, sea, world.nature, clock)
     if len(sea.stock):
         lives = who[(minds.diet[who] | minds.ways[who]) > 0]
-        around = world.site_grids, large_of(fishes)
+        around = world.site_grids, reefers_of(fishes, minds)
         share(see_sites, lives, LEAST_MINDS, fishes, minds, sea, world.nature, clock, *around)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
