@@ -13,10 +13,11 @@ from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import CLEANS, NOBODY, POSE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, POSE, Clock, Fishes, Minds, Nature, Sea
 
-ITCH_S = (200.0, 420.0)  # from one cleaning until a fish itches fully, by its identity
+ITCH_S = (500.0, 900.0)  # from one cleaning until a fish itches fully, by its identity
 BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
+WAITS_S = 30.0  # for the cleaner, which may be busy
 POSING = 0.67  # desire to be cleaned: more than to browse
 RING_CM, RING_BL = (
     20.0,
@@ -24,13 +25,13 @@ RING_CM, RING_BL = (
 )  # distance from the station at which clients stand, and by their length
 THERE_BL = 0.8  # distance from that place at which a client poses
 HEAD_UP = np.tan(np.radians(48.0))  # slope of a body that poses
-CLEANING, HOLDING = 0.68, 0.25  # desire to clean, and to hold the station
+CLEANING, HOLDING = 0.9, 0.25  # desire to clean, and to hold the station
 CYCLE_S, HOLDS = 80.0, 0.6  # share of a cycle in which a cleaner without a client stays there
 NEAR_BL = 2.0  # distance of an idle cleaner from its station
 PASS_S = 7.0  # from head to tail and back
 TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the cleaner's length
 PICKS_HZ = 1.2
-CLEANED_S = 14.0  # of picking take away the whole itch
+CLEANED_S = 9.0  # of picking take away the whole itch
 JOLT_S = 16.0  # mean time until a client jolts
 GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim
 MEALS_S = 3.0  # digestion that a second of picking covers, s
@@ -61,6 +62,8 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
         c = minds.cleaner[i]
         if c == NOBODY:
             continue
+        if minds.held[i] > WAITS_S and minds.client[c] != i:
+            minds.itch[i] = 0.9 * ENDS  # it gives up for now
         spot = plus(vector(minds.home[c]), _place_in_ring(fishes, i))
         toward = minus(spot, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
@@ -84,14 +87,22 @@ def _place_in_ring(fishes: Fishes, i: int) -> Vector:
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """The wish of a cleaner to clean who poses, or to hold its station."""
+    """The wish of a cleaner to clean a fish that poses."""
+    for i in who:
+        free = minds.client[i] != NOBODY and minds.errand[i] <= 0.0
+        out[i] = CLEANING if free and minds.courtship[i] == NO_COURTSHIP else 0.0
+
+
+@kernel
+def holding_desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """The wish of a cleaner to hold its station, for a part of each cycle."""
     for i in who:
         out[i] = 0.0
         if minds.ways[i] & CLEANS and minds.errand[i] <= 0.0:
             cycle = clock.tick * clock.dt / CYCLE_S + float(fishes.identity[i])
             out[i] = HOLDING if cycle % 1.0 < HOLDS else 0.0
-            if minds.client[i] != NOBODY:
-                out[i] = CLEANING
 
 
 @kernel
@@ -102,7 +113,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """
     now = clock.tick * clock.dt
     for i in who:
-        j = minds.client[i]
+        j = np.int64(minds.client[i])
         length = float(fishes.length[i])
         if j == NOBODY:
             gap = chase(fishes, minds, i, vector(minds.home[i]), ZERO)

@@ -18,7 +18,7 @@ REST = 0.5  # desire for cover by night
 ALARM = 0.8  # desire for cover of a fish under a shadow
 HIDE_S = (6.0, 14.0)  # how long a fish stays after the shadow has gone, by its identity
 SLACK_CM = 3.0  # depth below its cover that a body may reach
-NEAR_BL = 3.0  # distance at which it goes in
+NEAR_BL, NEAR_CM = 3.0, 60.0  # distance at which it goes in: the larger of both
 INSIDE_BL = 0.6  # distance within which it is in its cover
 HOVERS, SETTLES = 0.03, 0.25  # shares of the fastest speed inside and at the door
 BATHING = 0.4  # desire of a clownfish to bathe
@@ -26,7 +26,8 @@ CYCLE_S = (70.0, 110.0)  # from bath to bath, by identity ...
 SHARE = 0.4  # ... and the share of it that is spent in the anemone
 SWAY_BL, SWAY_HZ = 0.45, 0.11  # circle among the tentacles
 WRIGGLE, WRIGGLE_HZ = 0.9, 0.9  # its sideways urge, over that ahead
-WRIGGLES = 0.16  # share of its fastest speed
+WRIGGLES, TURNS = 0.16, 0.05  # shares of its fastest speed, ahead and in a turn
+AMONG_BL = 1.5  # distance within which it is among the tentacles
 
 
 @kernel
@@ -59,7 +60,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         place = vector(sea.site_place[s])
         toward = minus(place, vector(fishes.position[i]))
         far, length = norm(toward), float(fishes.length[i])
-        if far > NEAR_BL * length:
+        if far > max(NEAR_BL * length, NEAR_CM):
             chase(fishes, minds, i, place, ZERO)
             burst(fishes, minds, i)
             continue
@@ -104,16 +105,18 @@ def bathe(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
         spot = plus(vector(sea.site_place[s]), _swayed(now, own, length))
         toward = minus(spot, mouth_of(fishes, i))
         far = norm(toward)
-        if far > NEAR_BL * length:
+        if far > max(NEAR_BL * length, NEAR_CM):
             chase(fishes, minds, i, spot, ZERO)
             continue
         fishes.close[i], fishes.shell[i] = True, sea.site_depth[s] + SLACK_CM
         ahead = x_axis(fishes.orientation[i])
-        side = np.sin(2.0 * np.pi * (WRIGGLE_HZ * now + own))
+        side = np.sin(2.0 * np.pi * (WRIGGLE_HZ * now + own)) if far < AMONG_BL * length else 0.0
         aside = times(WRIGGLE * side, (-ahead[1], ahead[0], 0.0))
         set_urge(minds, i, plus(times(1.0 / max(far, 1e-3), toward), aside))
-        behind = dot(toward, ahead) < 0.0
-        fishes.goal_speed[i] = -0.5 * WRIGGLES if behind and far < length else WRIGGLES
+        # It turns about on the spot: a wide turn would lead it out of the anemone.
+        behind = dot(toward, ahead) < 0.3 * far
+        quick = min(WRIGGLES + 0.5 * far / NEAR_CM, 0.5)
+        fishes.goal_speed[i] = TURNS if behind else quick
 
 
 @kernel

@@ -53,8 +53,13 @@ OURS = (
     Behavior("guard", territory.act, ((APPETITE, territory.desire),), tires=True, in_turn=True),
     Behavior("yield", territory.give_way, ((DANGER, territory.yielding_desire),)),
     Behavior("shelter", sheltering.act, ((DANGER, sheltering.desire),)),
-    Behavior("pose", cleaning.pose, ((EASE, cleaning.posing_desire),)),
-    Behavior("clean", cleaning.act, ((EASE, cleaning.desire),), in_turn=True),
+    Behavior("pose", cleaning.pose, ((EASE, cleaning.posing_desire),), tires=True),
+    Behavior(
+        "clean",
+        cleaning.act,
+        ((APPETITE, cleaning.desire), (EASE, cleaning.holding_desire)),
+        in_turn=True,
+    ),
 )
 
 

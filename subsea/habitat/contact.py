@@ -154,7 +154,7 @@ def _between(
 
 TOUCH_CM, TOUCH_BL = 3.0, 0.06  # gap of a touching body, with room for its bends
 GRAZING_CM = 0.3  # gap of a body that feeds or hides at a surface ...
-DRAWN_CM = 0.8  # ... and in the shell around stone, from the drawn stone
+DRAWN_CM = 1.5  # ... and in the shell around stone, from the drawn stone
 OUT_PER_S = 6.0  # outward speed per cm of a gap that is too small
 SLOPE_CM = 10.0  # baseline of the slope of the seabed
 PASSES = 2  # over the barriers, so that in a corner neither undoes the other

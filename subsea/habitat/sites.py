@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.disk_cache import cached
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import clearances
@@ -53,6 +53,7 @@ DARK = 0.34  # ... and below which a place hides fishes
 STEEPEST = -0.15  # upward component of the normal of the steepest rock that is grazed
 DEEPEST_CM = 24.0  # depth below what fishes avoid at which food is still reached
 ABOVE_CM = 5.0  # least height of places on rock above the sand
+MOUTH_CM = 5.0  # height over food that must be free of other growths
 OUT_CM = 11.0  # of a hidden fish, from the rock
 ROOM_CM = 7.0  # free water around it
 MOUND_SHARE = 0.75  # share of a mound's radius within which turf is grazed
@@ -100,6 +101,7 @@ def _find(sea: Sea, reef: Reef) -> Sites:
     reached &= np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
     low = heights_at(sea.heights, sea.half_width, place[:, :2])
     reached &= place[:, 2] > low
+    reached &= ~_covered(reef, place + MOUTH_CM * normal, growth) | (kind == COVER)
     order = np.flatnonzero(reached)
     f = np.float32
     return Sites(
@@ -107,6 +109,21 @@ def _find(sea: Sea, reef: Reef) -> Sites:
         growth[order].astype(np.int32), depth[order].astype(f),
         np.concatenate([np.zeros((0, 11)), *formations(sea.pillars, sea.rocks)]),
     )  # fmt: skip
+
+
+def _covered(reef: Reef, place: Array, growth: Ints) -> Bools:
+    """True for places (s, 3) in or below the crown of another growth than their own."""
+    covered = np.zeros(len(place), np.bool_)
+    tall = np.array([kind.height for kind in KINDS.values()])
+    for k in np.flatnonzero(reef.kind != MOUND):
+        radius = float(reef.radius[k])
+        near = np.flatnonzero((np.abs(place - reef.place[k]) < 3.0 * radius).all(axis=1))
+        off = place[near] - reef.place[k]
+        up = off @ reef.axis[k]
+        away = np.sqrt(np.maximum((off * off).sum(axis=1) - up * up, 0.0))
+        inside = (away < radius) & (up > 0.0) & (up < tall[reef.kind[k]] * radius)
+        covered[near[inside & (growth[near] != k)]] = True
+    return covered
 
 
 Rows = tuple[Ints, Array, Array, Ints]

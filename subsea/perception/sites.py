@@ -126,7 +126,9 @@ def see_sites(
             here = vector(fishes.position[i])
             nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)
             if one[0] >= 0 and is_near_station(fishes, minds, one[0]):
-                minds.cleaner[i] = one[0]
+                way = minus(vector(minds.home[one[0]]), vector(minds.home[i]))
+                if norm(way) < minds.home_range[i]:
+                    minds.cleaner[i] = one[0]
 
 
 @kernel

@@ -7,7 +7,7 @@ from subsea.geometry.vector import dot, minus, vector
 from subsea.kernels import kernel
 from subsea.perception.collision import Crowd
 from subsea.perception.grid import near_slots
-from subsea.state import NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
+from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 FOLLOWS = 1.5  # radii of a territory to which a resident follows an intruder
 OUTSIZED = 4.0  # a fish so many times as long as the resident is let alone
@@ -18,7 +18,7 @@ def find_intruders(who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd,
     """Set `minds.intruder` of those of the fishes `who` that guard a territory.
 
     The nearest fish of another species counts. One that is followed counts until it is far off.
-    Schools, predators, courting fishes and much larger ones are let alone.
+    Schools, predators, cleaners, courting fishes and much larger ones are let alone.
     """
     most = 0
     for i in who:
@@ -55,6 +55,6 @@ def _counts(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
     """True if fish i would chase fish j off."""
     if fishes.species[i] == fishes.species[j] or minds.kind[j] == PREDATOR or minds.schools[j]:
         return False
-    if minds.courtship[j] != NO_COURTSHIP or minds.betrothed[j] != NOBODY:
+    if minds.ways[j] & CLEANS or minds.courtship[j] != NO_COURTSHIP or minds.betrothed[j] != NOBODY:
         return False
     return bool(fishes.length[j] < OUTSIZED * fishes.length[i])

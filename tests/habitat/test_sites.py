@@ -38,7 +38,7 @@ def test_turf_on_rock_lies_on_the_drawn_stone_and_faces_out_of_it(lagoon):
         place, normal = sea.site_place[k].astype(float), sea.site_normal[k].astype(float)
         assert min(abs(drawn_distance(blocks, vector(place))) for blocks in stones) < 2.5
         outside = min(drawn_distance(blocks, vector(place + 4.0 * normal)) for blocks in stones)
-        assert outside > 0.5
+        assert outside > 0.2
 
 
 def test_a_site_knows_how_deep_it_lies_in_the_shell_that_fishes_avoid(lagoon):
@@ -68,6 +68,17 @@ def test_food_on_growths_belongs_to_kinds_that_offer_it_and_is_within_them(lagoo
         radius = reef.radius[growth]
         assert np.linalg.norm(off - tall * reef.axis[growth]) < 0.8 * radius
         assert 0.0 < tall < 1.05 * KINDS[name].height * radius
+
+
+def test_no_food_lies_under_a_table_coral(lagoon):
+    sea, reef = lagoon
+    table = list(KINDS).index("table")
+    for k in np.flatnonzero(reef.kind == table):
+        off = sea.site_place - reef.place[k]
+        up = off @ reef.axis[k]
+        away = np.linalg.norm(off - up[:, None] * reef.axis[k], axis=1)
+        under = (away < 0.8 * reef.radius[k]) & (up > 0.0) & (up < 0.3 * reef.radius[k])
+        assert not (under & (sea.site_kind < FOODS)).any()
 
 
 def test_bare_sand_offers_nothing(make_sea):
