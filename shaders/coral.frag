@@ -1,4 +1,5 @@
 #include "optics.glsl"
+#include "bites.glsl"
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
@@ -32,6 +33,8 @@ vec3 leaning(vec3 normal, vec2 slope) {
 }
 #endif
 
+const vec3 SKELETON = vec3(0.86, 0.82, 0.74);  // of a coral, where its polyps are gone
+
 void main() {
 #ifdef FADING
     if (faded(u_fade)) discard;
@@ -45,7 +48,7 @@ void main() {
     float rise = dot(v_grain.xyz, texture(u_grain, v_along + sunward).rgb) - height;
     vec3 sun = v_sun * sunny(v_world + 1.5 * normal);
     // Valleys between ridges are a shade of their own.
-    vec3 colour = v_colour.rgb * clamp(1.0 + vec3(0.58, 0.46, 0.62) * height, 0.25, 1.6);
+    vec3 colour = mix(v_colour.rgb, SKELETON, bitten(v_world)) * clamp(1.0 + vec3(0.58, 0.46, 0.62) * height, 0.25, 1.6);
     float open = v_grain.a * clamp(1.0 + 0.5 * height, 0.4, 1.2);
     vec3 view = normalize(v_world - u_eye);
 #ifdef CLOSE_UP

@@ -1,5 +1,6 @@
 // Stone under water: little of it is bare, most is a crust of what grows on it.
 #include "optics.glsl"
+#include "bites.glsl"
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
@@ -86,6 +87,7 @@ void main() {
     float orange = smoothstep(0.40, 0.50, sponge + 0.30 * polyps + 0.1 * height - 0.12 * up);
     vec3 living = mix(SPONGE, LEMON, smoothstep(-0.1, 0.1, turf));
     stone = mix(stone, living * (0.55 + 0.8 * polyps), orange);
+    stone = mix(stone, CREAM * (1.1 + 0.5 * height), 0.75 * bitten(v_world));  // scraped bare
 
     stone *= clamp(0.85 + 0.5 * height, 0.3, 1.2);
     vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.25, 0.0) * v_light.y / 1.25 * sunny(v_world + 6.0 * normalize(v_normal)));

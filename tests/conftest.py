@@ -306,7 +306,7 @@ def make_tank(
         "climate": np.array([27.0, 21.0, SEA_DEPTH, 700.0]),
         "submarine": np.array([0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
     }  # fmt: skip
-    sea = empty(Sea, given=given, p=specks, c=0)
+    sea = empty(Sea, given=given, p=specks, c=0, s=0, q=0)
     constants = {name: getattr(NatureTable(), name) for name in Nature._fields}
     return Tank(fishes, minds, sea, Nature(**(constants | nature)), Clock(seed, 1, TICK_S))
 

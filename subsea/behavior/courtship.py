@@ -31,11 +31,13 @@ from subsea.state import (
     APPROACHING,
     ASCENDING,
     CIRCLING,
+    GUARD,
     LOOPING,
     MATE,
     NO_COURTSHIP,
     NOBODY,
     NUZZLING,
+    POSE,
     PREDATOR,
     SPAWNING,
     Clock,
@@ -326,4 +328,6 @@ def ease_display(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock
         courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
         calm = 0.0 if minds.kind[i] == PREDATOR else -pale
         fishes.display[i] += share * ((1.0 if courts else calm) - fishes.display[i])
-        fishes.raised[i] = max(fishes.display[i], minds.menace[i], np.float32(0.0))
+        shows = minds.intention[i] == GUARD or minds.intention[i] == POSE
+        threat = 1.0 if shows else float(minds.menace[i])
+        fishes.raised[i] = max(float(fishes.display[i]), threat, 0.0)

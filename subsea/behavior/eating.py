@@ -42,7 +42,9 @@ def desire(
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
         least = nature.keen * (STILL_KEEN if eats else 1.0)
-        near = minds.food[i] >= 0 and is_at_home(minds, i, vector(sea.plankton[minds.food[i]]))
+        # Where it has food on stone, a grazer leaves plankton alone.
+        near = minds.food[i] >= 0 and minds.site[i] < 0
+        near = near and is_at_home(minds, i, vector(sea.plankton[minds.food[i]]))
         if near and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)

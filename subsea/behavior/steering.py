@@ -9,13 +9,18 @@ from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import (
+    BATHE,
+    CLEAN,
     EAT,
     ESCAPE,
+    GRAZE,
     HULL_CM,
     LEFT,
     MATE,
+    POSE,
     PREDATOR,
     RIGHT,
+    SHELTER,
     Clock,
     Fishes,
     Minds,
@@ -31,7 +36,8 @@ CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
 CORNERED = 0.1  # part of a unit urge; in a corner a solid turns more toward the wall
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, except of the intentions STEEP
-STEEP = (ESCAPE, EAT, MATE)
+STEEP = (ESCAPE, EAT, MATE, GRAZE, BATHE, SHELTER, POSE, CLEAN)
+LEAVES_CM_S = 20.0  # how fast a fish that has fed leaves the shell of free water around stone
 SLOPE_CM = 20.0  # baseline of the seabed's slope
 
 
@@ -51,6 +57,9 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         urge = times(1.0 / size, urge) if size >= 1e-9 else ahead
         if minds.intention[i] not in STEEP:
             urge = flattened(urge, STEEPEST)
+        if fishes.close[i]:  # contact alone keeps it out of what it feeds on or hides in
+            set_urge(minds, i, _off_the_hull(here, fishes.length[i], hull, velocity, urge))
+            continue
         snout = plus(here, times(float(fishes.snout[i]), ahead))
         tail = plus(snout, times(-length, ahead))
         reach = CLEARANCE_CM + CLEARANCE_BL * length
@@ -191,11 +200,16 @@ def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> V
 def ease_goals(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Turn the goals of the fishes `who` toward their urges by a share of the angle.
 
+    A fish that has left its place at stone loses its leave to be in the shell around it.
+
     Where the motor preferences warn of a side, the angle is multiplied by min(1, 1.5 + M) for the
     negative preference M (Tu §6.5.3).
     """
     share = min(EASE * clock.dt, 1.0)
     for i in who:
+        if not fishes.close[i] and fishes.shell[i] > 0.0:
+            left = max(float(fishes.shell[i]) - LEAVES_CM_S * clock.dt, 0.0)
+            fishes.shell[i] = np.float32(left)
         urge = vector(minds.urge[i])
         length = norm(urge)
         if length < 1e-6:

@@ -10,13 +10,17 @@ from subsea.base.progress import say
 from subsea.behavior import (
     avoiding,
     biting,
+    cleaning,
     company,
     curious,
     eating,
     escaping,
+    grazing,
     leaving,
     mating,
     schooling,
+    sheltering,
+    territory,
     wandering,
 )
 from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Desire
@@ -40,6 +44,23 @@ OURS = (
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
+    Behavior(
+        "graze",
+        grazing.act,
+        ((APPETITE, grazing.desire), (EASE, grazing.browsing_desire)),
+        tires=True,
+    ),
+    Behavior("bathe", sheltering.bathe, ((EASE, sheltering.bathing_desire),)),
+    Behavior("guard", territory.act, ((APPETITE, territory.desire),), tires=True, in_turn=True),
+    Behavior("yield", territory.give_way, ((DANGER, territory.yielding_desire),)),
+    Behavior("shelter", sheltering.act, ((DANGER, sheltering.desire),)),
+    Behavior("pose", cleaning.pose, ((EASE, cleaning.posing_desire),), tires=True),
+    Behavior(
+        "clean",
+        cleaning.act,
+        ((APPETITE, cleaning.desire), (EASE, cleaning.holding_desire)),
+        in_turn=True,
+    ),
     Behavior("shun", company.shun, ((EASE, company.shun_desire),)),
     Behavior("stay", company.stay, ((EASE, company.stay_desire),)),
 )

@@ -8,24 +8,37 @@ from numpy.typing import NDArray
 from subsea.behavior.company import disliked, missed
 from subsea.behavior.table import INTENTIONS
 from subsea.state import (
+    ANEMONE,
     AVOID,
     BAIT,
+    BATHE,
+    CLEAN,
     EAT,
     ESCAPE,
+    GRAZE,
+    GUARD,
     LEAVE,
     MATE,
     MENTAL_STATES,
     NOBODY,
+    POLYPS,
+    POSE,
     PREDATOR,
+    RUBBLE,
     SCHOOL,
     SEABED,
+    SHELTER,
+    SPONGES,
     SUBMARINE,
     SURFACE,
+    TURF,
     WALL,
     WANDER,
+    YIELD,
 )
 from subsea.world.world import TICK_S, World
 
+FOOD = {TURF: "turf", POLYPS: "coral polyps", SPONGES: "a sponge", RUBBLE: "prey in rubble"}
 CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
 SHUN, STAY = INTENTIONS.index("shun"), INTENTIONS.index("stay")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
@@ -70,6 +83,23 @@ def focus(world: World, fish: int) -> Focus:
         return "light or temperature that it dislikes", None
     if intention == WANDER:
         return "a place to swim to", _far(world, fish, minds.waypoint[fish])
+    if intention == GRAZE and minds.site[fish] >= 0:
+        food = FOOD[int(sea.site_kind[minds.site[fish]])]
+        return food, _far(world, fish, sea.site_place[minds.site[fish]])
+    if intention in (BATHE, SHELTER) and minds.cover[fish] >= 0:
+        own = int(sea.site_kind[minds.cover[fish]]) == ANEMONE
+        place = sea.site_place[minds.cover[fish]]
+        return "its anemone" if own else "a hiding place", _far(world, fish, place)
+    if intention == POSE:
+        return _somebody(world, fish, int(minds.cleaner[fish]))
+    if intention == CLEAN and minds.client[fish] == NOBODY:
+        return "its station", _far(world, fish, minds.home[fish])
+    if intention == CLEAN:
+        return _somebody(world, fish, int(minds.client[fish]))
+    if intention == GUARD:
+        return _somebody(world, fish, int(minds.intruder[fish]))
+    if intention == YIELD:
+        return _somebody(world, fish, int(minds.chaser[fish]))
     if intention == CURIOUS:
         return _somebody(world, fish, SUBMARINE)
     if intention == STRUGGLE:

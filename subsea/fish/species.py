@@ -158,6 +158,19 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
             raise ValueError("the corner of the mouth must lie 0.001 behind its tip, or more")
 
 
+Food = Literal["turf", "polyps", "sponges", "rubble"]  # the first of `state.SITES`
+
+
+class LifePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How a species lives on stone and among corals."""
+
+    eats: list[Food] = []  # on stone; without it, or out of its sight, it eats plankton or prey
+    hides: bool = False  # under overhangs and in corals, at a shadow
+    bathes: bool = False  # in an anemone near its home
+    cleans: bool = False  # others, at a station on a large coral
+    territory_cm: Annotated[float, msgspec.Meta(ge=1, le=1000)] | None = None  # about its home
+
+
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One species, driven by muscles (tables body, swim and turn) or by its spine."""
 
@@ -181,6 +194,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     spine: SpinePlan | None = None
     surface: SurfacePlan
     skin: SkinPlan
+    life: LifePlan = LifePlan()
 
     def __post_init__(self) -> None:
         """Refuse tables that contradict each other, and a body that is unstable."""

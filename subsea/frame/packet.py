@@ -71,6 +71,8 @@ INSTANCE_COLUMNS = 30
 # Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
 
+MOST_BITES = 16  # traces of feeding that a picture shows, as `bites.glsl`
+SHOWN_STOCK = 0.97  # share of the food that is left where a trace still shows
 LEAST_PART = 1024  # instances for which another thread pays
 # Bounding spheres hold the nodes; the surface reaches a little farther.
 ENLARGED = 1.1
@@ -156,6 +158,8 @@ class Packet:
     current_cm_s: tuple[float, float] | None = None  # None: as in the scene
     lamps: Lamps | None = None  # None while they are off
     hour: float | None = None  # of the day; None: as in the scene
+    # Places where growth was eaten, cm, and the share that is gone (k, 4) float32, nearest first.
+    bites: Array = field(default_factory=lambda: np.zeros((0, 4), np.float32))
 
 
 @dataclass(frozen=True)
@@ -274,12 +278,21 @@ def pack(
         current_cm_s=world.flowing_cm_s,
         lamps=lamps_of(pilot) if world.state.submarine.lights[0] else None,
         hour=_hour(world.scenario.water, time_s),
+        bites=_bites(world.state.sea, views[0].eye if views else pilot.eye),
     )
 
 
 def _hour(water: Water, time_s: float) -> float | None:
     """Hour of the day at a time of a dive, None while the clock stands still."""
     return hour_at(water.hour, water.day_minutes, time_s) if water.day_minutes else None
+
+
+def _bites(sea: Sea, eye: Array) -> Array:
+    """The places (k, 4) nearest to an eye where growth was eaten, and the share that is gone."""
+    eaten = np.flatnonzero(sea.stock < SHOWN_STOCK)
+    away = ((sea.site_place[eaten] - eye) ** 2).sum(axis=1)
+    nearest = eaten[np.argsort(away, kind="stable")[:MOST_BITES]]
+    return np.column_stack([sea.site_place[nearest], 1.0 - sea.stock[nearest]]).astype(np.float32)
 
 
 def lamps_of(pilot: CameraPose) -> Lamps:

@@ -12,6 +12,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.habitat.formations import NEAR_CM, blocks_near, drawn_distance, outward
 from subsea.kernels import kernel
 from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
 
@@ -152,6 +153,8 @@ def _between(
 
 
 TOUCH_CM, TOUCH_BL = 3.0, 0.06  # gap of a touching body, with room for its bends
+GRAZING_CM = 0.3  # gap of a body that feeds or hides at a surface ...
+DRAWN_CM = 1.5  # ... and in the shell around stone, from the drawn stone
 OUT_PER_S = 6.0  # outward speed per cm of a gap that is too small
 SLOPE_CM = 10.0  # baseline of the slope of the seabed
 PASSES = 2  # over the barriers, so that in a corner neither undoes the other
@@ -170,7 +173,7 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
             continue
         middle, length = vector(fishes.position[i]), float(fishes.length[i])
         speed = norm(plus(vector(own[i]), vector(fishes.drift[i])))
-        touch = TOUCH_CM + TOUCH_BL * length
+        touch = _touch(fishes, i)
         reach = length + touch + speed * dt
         ahead, snout = x_axis(fishes.orientation[i]), float(fishes.snout[i])
         rim = math.sqrt(middle[0] * middle[0] + middle[1] * middle[1])
@@ -180,12 +183,20 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
             for half in range(3):
                 part = plus(middle, times(snout - 0.5 * half * length, ahead))
                 _keep_inside(fishes.drift[i], part, own[i], sea, touch, dt)
+        if fishes.shell[i] > 0.0:
+            _keep_off_drawn(fishes, i, sea, own[i], dt)
         for k in range(len(sea.pillars)):
             if from_pillar(sea.pillars[k], middle)[1] < reach:
                 _keep_off(fishes, i, sea.pillars[k], own[i], dt)
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, reach):
                 _keep_off(fishes, i, sea.rocks[k], own[i], dt)
+
+
+@kernel
+def _touch(fishes: Fishes, i: int) -> float:
+    """Gap, cm, to barriers that fish i keeps: little while it feeds or hides at one."""
+    return GRAZING_CM if fishes.close[i] else TOUCH_CM + TOUCH_BL * float(fishes.length[i])
 
 
 @kernel
@@ -219,9 +230,26 @@ def _keep_off(fishes: Fishes, i: int, solid: Array, own: Array, dt: float) -> No
     for half in range(3):
         part = plus(middle, times(snout - 0.5 * half * length, ahead))
         way, gap = _from_solid(solid, _later(part, own, fishes.drift[i], dt))
-        touch = TOUCH_CM + TOUCH_BL * length
+        touch = _touch(fishes, i) - float(fishes.shell[i])
         if gap < touch:
             _push(fishes.drift[i], way, _from_solid(solid, part)[1], gap, touch, dt)
+
+
+@kernel
+def _keep_off_drawn(fishes: Fishes, i: int, sea: Sea, own: Array, dt: float) -> None:
+    """Keep snout, middle and tail of fish i, in the shell around stone, off the drawn stone."""
+    middle, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
+    snout, length = float(fishes.snout[i]), float(fishes.length[i])
+    for half in range(3):
+        part = plus(middle, times(snout - 0.5 * half * length, ahead))
+        later = _later(part, own, fishes.drift[i], dt)
+        blocks = blocks_near(sea.stones, later, NEAR_CM)
+        if len(blocks) == 0:
+            continue
+        gap = drawn_distance(blocks, later)
+        if gap < DRAWN_CM:
+            way = outward(blocks, later)[0]
+            _push(fishes.drift[i], way, drawn_distance(blocks, part), gap, DRAWN_CM, dt)
 
 
 @kernel

@@ -61,6 +61,8 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[st
         },
         p=water.plankton,
         c=0,
+        s=0,
+        q=0,
     )
     return sea, owners
 

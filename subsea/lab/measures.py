@@ -12,6 +12,7 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.rotation import matrix, rotate
 from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
+from subsea.habitat.formations import drawn_distance, formations
 from subsea.kernels import kernel
 from subsea.media.record import STATIONS, Record
 from subsea.state import (
@@ -42,6 +43,8 @@ WARNING_S = 1.0  # fear must come within this time before an escape
 REACH = 1.0  # an attack comes as near as this to its target, lengths of the predator
 APART_S = 2.0  # two approaches within this time are one attack
 AFTER_S = 1.0  # prey that dies until then was caught by the attack
+AT_STONE = ("graze", "shelter", "bathe")  # intentions of fishes that may touch drawn stone
+LEAVING_S = 2.0  # how long such a fish needs to leave the shell around it
 PERIOD_S = 180.0  # for which catches are counted
 
 
@@ -126,9 +129,12 @@ class Outside(NamedTuple):
 def outside(record: Record) -> list[Outside]:
     """Count the fish-ticks outside the free water, for each species in a record.
 
-    A fish that struggles on the hook is lifted out of the water and does not count.
+    A fish that struggles on the hook is lifted out of the water and does not count. One that feeds
+    or hides at stone, or did so until lately, counts if it is inside the drawn stone, which lies
+    in a shell of free water.
     """
     gaps, which = clearances(record)
+    _from_drawn_stone(record, gaps, which)
     if "struggle" in record.intention_names:
         gaps[record.intention == record.intention_names.index("struggle")] = np.inf
     rows = []
@@ -150,6 +156,23 @@ def outside(record: Record) -> list[Outside]:
             )
         )
     return rows
+
+
+def _from_drawn_stone(record: Record, gaps: Array, which: Ints) -> None:
+    """Measure `gaps` (T, n) of fishes that feed or hide in the shell of stone from drawn stone."""
+    names = [k for k, name in enumerate(record.intention_names) if name in AT_STONE]
+    there = np.isin(record.intention, names)
+    lately = round(LEAVING_S / record.tick_s)
+    close = there.copy()
+    for back in range(1, lately + 1):
+        close[back:] |= there[:-back]
+    ticks, fishes = np.nonzero(close & (gaps < 0.0) & (which >= BARRIERS.index("pillar")))
+    if len(ticks) == 0:
+        return
+    stones = formations(record.pillars, record.rocks)
+    for t, i in zip(ticks, fishes, strict=True):
+        parts = (record.snout[t, i], record.position[t, i], record.tail[t, i])
+        gaps[t, i] = min(drawn_distance(rocks, vector(p)) for rocks in stones for p in parts)
 
 
 class Captures(NamedTuple):

@@ -79,8 +79,9 @@ def contain(who: Ints, fishes: Fishes, nodes: Array, sea: Sea, dt: float) -> Non
         before = times(1.0, vector(fishes.previous_position[i]))
         most = norm(minus(here, before)) + SWING * length
         place, free = here, False
+        shell = float(fishes.shell[i])
         for _ in range(PASSES):
-            gap, way = deepest(place, nose, edge, sea)
+            gap, way = deepest(place, nose, edge, sea, shell)
             free = gap >= 0.0
             if free or norm(minus(place, here)) > most:
                 break
@@ -113,11 +114,14 @@ def _is_near(p: Vector, length: float, sea: Sea) -> bool:
 
 
 @kernel
-def deepest(here: Vector, nose: Vector, edge: Vector, sea: Sea) -> tuple[float, Vector]:
+def deepest(
+    here: Vector, nose: Vector, edge: Vector, sea: Sea, shell: float
+) -> tuple[float, Vector]:
     """The least gap, cm, of snout, middle and tail to any barrier, and the way out, a unit vector.
 
-    The gap is negative inside. `nose` and `edge` are the ends from the middle, in world axes. The
-    way out of the seabed is up.
+    The gap is negative inside; of pillars and rocks it begins `shell` cm below what fishes avoid,
+    for a fish that feeds on the drawn stone. `nose` and `edge` are the ends from the middle, in
+    world axes. The way out of the seabed is up.
     """
     least, out = math.inf, (0.0, 0.0, 1.0)
     for part in (here, plus(here, nose), plus(here, edge)):
@@ -132,12 +136,12 @@ def deepest(here: Vector, nose: Vector, edge: Vector, sea: Sea) -> tuple[float, 
                 least, out = above, (0.0, 0.0, 1.0)
         for k in range(len(sea.pillars)):
             way, gap = from_pillar(sea.pillars[k], part)
-            if gap < least:
-                least, out = gap, way
+            if gap + shell < least:
+                least, out = gap + shell, way
         for k in range(len(sea.rocks)):
             if least >= 0.0 and far_from_rock(sea.rocks[k], part, 0.0):
                 continue
             way, gap = from_rock(sea.rocks[k], part)
-            if gap < least:
-                least, out = gap, way
+            if gap + shell < least:
+                least, out = gap + shell, way
     return least, out

@@ -311,9 +311,13 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
     """Set `minds.barrier` of the fishes `who`: the nearest obstacle that a ray ahead meets.
 
     A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body. A flat body
-    enlarges seabed and surface by 1.5 times its height.
+    enlarges seabed and surface by 1.5 times its height. None for a fish that feeds or hides close
+    to stone.
     """
     for i in who:
+        if fishes.close[i]:
+            minds.barrier[i] = -1
+            continue
         antenna = caution(minds, i, nature) * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
         minds.barrier[i] = nearest_barrier(fishes, i, sea, held * antenna)

@@ -13,7 +13,14 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share, side_by_side
-from subsea.perception import collision, foraging, leader_tracking, mates, predators
+from subsea.perception import (
+    collision,
+    foraging,
+    leader_tracking,
+    mates,
+    predators,
+    territory,
+)
 from subsea.perception.collision import Crowd
 from subsea.perception.comfort import sense_comfort
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
@@ -111,6 +118,7 @@ def look_around(
     sense_comfort(who, minds, sea.climate, nature)
     leader_tracking.see_leader(who, fishes, minds, sea, nature, seen)
     collision.find_threats(who, fishes, minds, around.crowds, nature)
+    territory.find_intruders(who, fishes, minds, around.crowds)
     collision.find_barriers(who, fishes, minds, sea, nature)
     predators.see_predators(who, fishes, minds, sea, around.hunters, nature)
     foraging.perceive_plankton(who, fishes, minds, sea, around.specks, nature)

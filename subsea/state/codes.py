@@ -15,6 +15,15 @@ PACIFIST, PREY, PREDATOR = range(3)
 
 # Intentions (Tu fig. 7.4); `behavior/table.py` has the behavior of each.
 AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
+# Those of a life on stone are rows of the same table.
+GRAZE, BATHE, GUARD, YIELD, SHELTER, POSE, CLEAN = range(9, 16)
+
+# What fishes look for on stone and among corals (`habitat/sites.py`); foods come first.
+SITES = ("turf", "polyps", "sponges", "rubble", "anemone", "shelter")
+TURF, POLYPS, SPONGES, RUBBLE, ANEMONE, COVER = range(6)
+# Bits of `Minds.ways`: hides in crevices and corals, bathes in an anemone, cleans others.
+HIDES, BATHES, CLEANS = 1, 2, 4
+FOODS = 4  # kinds of sites to feed at; bits of `Minds.diet`
 
 # Columns of `Minds.likes`: habits (Tu §7.3).
 BRIGHTNESS, DARKNESS, COLD, WARMTH = range(4)

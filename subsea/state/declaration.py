@@ -28,6 +28,7 @@ BOOL = Annotated[Bools, np.dtype(np.bool_)]
 FISH = Annotated[I32, {"start": NOBODY, "within": (NOBODY, "n")}]
 FISH_OR_HULL = Annotated[I32, {"start": NOBODY, "within": (SUBMARINE, "n")}]
 FOOD = Annotated[I32, {"start": -1, "within": (-1, "food")}]  # a speck; of a predator: a fish
+SITE = Annotated[I32, {"start": -1, "within": (-1, "sites")}]  # of `Sea.site_kind`
 ROW = Annotated[I32, {"within": (0, "rows")}]  # of the motion library
 SEGMENT = Annotated[U8, {"within": (0, "segments")}]
 COURTSHIP_STATE = Annotated[U8, {"within": (0, len(COURTSHIP))}]

@@ -37,6 +37,7 @@ from subsea.state.declaration import (
     PANELS,
     ROW,
     SEGMENT,
+    SITE,
     U8,
     U16,
     Spec,
@@ -140,6 +141,10 @@ class Fishes(NamedTuple):
     gape: Annotated[F32, behavior("n"), "opening of the mouth asked for, in [0, 1]"]
     display: Annotated[F32, behavior("n"), "mating colours, to 1; paleness by night, to -1"]
     raised: Annotated[F32, behavior("n"), "raising of dorsal and ventral fin asked for, in [0, 1]"]
+    close: Annotated[BOOL, behavior("n"), "whether it feeds or hides at stone, and may touch it"]
+    shell: Annotated[
+        F32, behavior("n", unit="cm"), "how deep it may be in the free shell around drawn stone"
+    ]
 
 
 class Live(NamedTuple):
@@ -199,6 +204,9 @@ class Minds(NamedTuple):
     ]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
     voracity: Annotated[F32, creation("n", start=1), "its appetite over the usual one"]
+    diet: Annotated[U8, creation("n"), "foods on stone: bits 1 << TURF to 1 << RUBBLE, 0 for none"]
+    ways: Annotated[U8, creation("n"), "how it lives on stone: bits HIDES, BATHES and CLEANS"]
+    territory: Annotated[F32, creation("n", unit="cm"), "radius about its home that it guards"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
     leader_place: Annotated[
@@ -237,6 +245,13 @@ class Minds(NamedTuple):
         "object of the intention: a fish, speck or BAIT, -1 for none",
     ]
     preference: Annotated[F32, perception("n", 6), "motor preferences, columns LEFT to DESCEND"]
+    site: Annotated[SITE, perception("n"), "where it feeds, -1 for nowhere"]
+    cover: Annotated[SITE, perception("n"), "nearest place to hide or bathe, -1 for none"]
+    shadow: Annotated[F32, perception("n"), "darkest shadow of a large thing overhead, in [0, 1]"]
+    dark: Annotated[BOOL, perception("n"), "whether it is too dark for it to be about"]
+    intruder: Annotated[FISH, perception("n"), "fish in its territory, or NOBODY"]
+    cleaner: Annotated[FISH, perception("n"), "cleaner whose station it knows, or NOBODY"]
+    client: Annotated[FISH, perception("n"), "fish that poses for this cleaner, or NOBODY"]
 
     mental: Annotated[F32, behavior("n", 3), "columns HUNGER, LIBIDO, FEAR, in [0, 1]"]
     eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
@@ -280,6 +295,11 @@ class Minds(NamedTuple):
     shunning: Annotated[F32, behavior("n", unit="s"), "time until `shunned` is forgotten"]
     liked: Annotated[FISH_OR_HULL, behavior("n", FEELINGS), "whom it has a feeling for, or NOBODY"]
     liking: Annotated[F32, behavior("n", FEELINGS), "the feeling: -1 dislike to 1 liking"]
+    peck: Annotated[F32, behavior("n", unit="s"), "time until it bites again at `site`"]
+    wary: Annotated[F32, behavior("n", unit="s"), "time until it leaves its cover"]
+    itch: Annotated[F32, behavior("n"), "how much it wants to be cleaned, in [0, 1]"]
+    chaser: Annotated[FISH, behavior("n"), "whose territory it leaves, or NOBODY"]
+    chased: Annotated[F32, behavior("n", unit="s"), "time until it forgets `chaser`"]
 
     errand: Annotated[F32, directing("n"), "share of its fastest speed to its waypoint, 0 for none"]
     fright: Annotated[F32, directing("n", start=-1), "imposed fear; negative: what it sees decides"]
@@ -343,6 +363,16 @@ class Sea(NamedTuple):
     ]
 
     crest: Annotated[NUMBER, creation(unit="cm", start=NEVER), "of the seabed inside the sea"]
+
+    site_kind: Annotated[U8, creation("s"), "index into SITES"]
+    site_place: Annotated[F32, creation("s", 3, unit="cm"), "on the drawn surface, or in its cover"]
+    site_normal: Annotated[F32, creation("s", 3), "unit vector out of that surface"]
+    site_depth: Annotated[F32, creation("s", unit="cm"), "below what fishes avoid around stone"]
+    site_growth: Annotated[I32, creation("s", start=-1), "growth of the reef that it is on, or -1"]
+    stones: Annotated[
+        F64, creation("q", 11, unit="cm"), "blocks of drawn stone: see `habitat/formations.py`"
+    ]
+    stock: Annotated[F32, water("s", start=1), "share of the food that is left, in [0, 1]"]
 
 
 class Seaweed(NamedTuple):

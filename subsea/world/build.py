@@ -13,6 +13,7 @@ from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.habitat.reef import grow_reefs
 from subsea.habitat.sea import make_sea
 from subsea.habitat.seaweed import plant_seaweed
+from subsea.habitat.sites import lay_sites
 from subsea.repertoire.library import LIVE_TABLES
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import MAX_SIMULATED, Scenario
@@ -116,6 +117,7 @@ def make_surroundings(
     sea, owners = make_sea(scenario, rng)
     sea, reef = grow_reefs(scenario, sea)
     sea, seaweed = plant_seaweed(scenario, sea, reef, seed)
+    sea = lay_sites(sea, reef)
     return sea, reef, seaweed, owners
 
 

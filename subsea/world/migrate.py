@@ -48,7 +48,8 @@ def migrate(before: World, world: World) -> None:
         elif name.startswith(LIVING):
             array[...] = theirs[name]
     world.state.tick = before.state.tick
-    world.state.minds.barrier[:] = NOBODY  # solids may have other numbers now
+    for name in ("barrier", "site", "cover"):  # solids and sites may have other numbers now
+        getattr(world.state.minds, name)[:] = NOBODY
     fishes, sea = world.state.fishes, world.state.sea
     for school, place in _moved_schools(before.scenario.fish, world.scenario.fish):
         _move_school(world, school, np.array(place))

@@ -20,12 +20,13 @@ from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
-from subsea.state import KINDS, TRAITS, Fishes, Minds, Reef, Sea
+from subsea.state import BATHES, CLEANS, HIDES, KINDS, SITES, TRAITS, Fishes, Minds, Reef, Sea
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
 FLAT_BL = 0.4  # bodies at least this tall, over their length, row with their pectoral fins
 HOME_CM = 400.0  # distance within which a fish finds a home
+STATIONS, ABOVE_STATION_CM = ("staghorn", "table", "brain"), 25.0  # corals of cleaners
 ABOVE_HOME_CM = 15.0  # height of the home over the growth
 LET_OUT = 40  # steps out of a solid, a quarter of the body each, for a fish that begins in one
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
@@ -107,6 +108,7 @@ def populate(world: World, rng: np.random.Generator) -> None:
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     _let_out(fishes, library, sea)
     settle(world.species, fishes, minds, world.state.reef)
+    set_ways(world.species, fishes, minds, world.state.reef)
     world.initial_traits = {name: getattr(minds, name).copy() for name in TRAITS}
 
 
@@ -139,6 +141,34 @@ def settle(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Reef)
             if gaps.min(initial=np.inf) < HOME_CM:
                 minds.home[i] = tops[gaps.argmin()] + (0.0, 0.0, ABOVE_HOME_CM)
                 break
+
+
+def set_ways(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Reef) -> None:
+    """Give fishes the diet, the cover and the territory of their species.
+
+    Only a fish with a home guards a territory.
+    """
+    plans = [one.life for one in species]
+    diets = [sum(1 << SITES.index(food) for food in set(plan.eats)) for plan in plans]
+    ways = [HIDES * plan.hides + BATHES * plan.bathes + CLEANS * plan.cleans for plan in plans]
+    minds.diet[:], minds.ways[:] = np.array(diets)[fishes.species], np.array(ways)[fishes.species]
+    radii = np.array([plan.territory_cm or 0.0 for plan in plans])[fishes.species]
+    minds.territory[:] = np.where(np.isfinite(minds.home_range), radii, 0.0)
+    minds.itch[:] = fishes.identity
+    _give_stations(minds, fishes, reef)
+
+
+def _give_stations(minds: Minds, fishes: Fishes, reef: Reef) -> None:
+    """Give each cleaner a station over the largest coral near it; without one it does not clean."""
+    tall = np.isin(reef.kind, [list(KINDS_OF_GROWTH).index(kind) for kind in STATIONS])
+    tops = reef.place + reef.radius[:, None] * reef.axis
+    for i in np.flatnonzero(minds.ways & CLEANS):
+        far = np.linalg.norm(tops - fishes.position[i], axis=1)
+        size = np.where(tall & (far < HOME_CM), reef.radius, 0.0)
+        if size.max(initial=0.0) > 0.0:
+            minds.home[i] = tops[size.argmax()] + (0.0, 0.0, ABOVE_STATION_CM)
+        else:
+            minds.ways[i] &= 255 - CLEANS
 
 
 def burst_speed(library: Library, kind: int) -> float:

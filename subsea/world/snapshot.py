@@ -205,6 +205,7 @@ def _limits(world: World, given: Arrays) -> dict[int | str, Any]:
         "rows": len(world.library.rotation),
         "segments": len(SEGMENTS),
         "solids": len(sea.pillars) + len(sea.rocks),
+        "sites": len(sea.site_kind),
         "influences": 1 << len(INFLUENCES),
         "food": np.where(grazes, specks, n),
         "target": np.where(grazes & (given["minds.intention"] == EAT), specks, n),

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior import biting, eating, hunting, schooling, steering
+from subsea.behavior import biting, eating, grazing, hunting, schooling, steering
 from subsea.behavior.chasing import tire
 from subsea.behavior.courtship import ease_display
 from subsea.behavior.intention import choose_intention
@@ -35,6 +35,7 @@ from subsea.habitat.day import in_daylight, move_sky
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
+from subsea.habitat.sites import regrow
 from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share
 from subsea.motor.containment import contain
@@ -44,6 +45,7 @@ from subsea.motor.playback import play
 from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
+from subsea.perception.sites import reefers_of, see_sites
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
@@ -147,6 +149,7 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     ]
     run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
     move_hook(sea, clock)
+    regrow(sea, clock.dt)
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:
@@ -160,7 +163,12 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
     if isinstance(order, TeleopCommands):
         feeding = order.fish[order.feeds]
         who = np.union1d(who, feeding[fishes.alive[feeding]])
-    sense(who, fishes, minds, sea, in_daylight(world.nature, sea.sky[1]), clock)
+    nature = in_daylight(world.nature, sea.sky[1])
+    sense(who, fishes, minds, sea, nature, clock)
+    if len(sea.stock):
+        lives = who[(minds.diet[who] | minds.ways[who]) > 0]
+        around = world.site_grids, reefers_of(fishes, minds)
+        share(see_sites, lives, LEAST_MINDS, fishes, minds, sea, nature, clock, *around)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
     return who
@@ -185,6 +193,7 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     """Turn the intentions of the fishes `free` into goals; update eating, biting and colours."""
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     fishes.gape[free] = 0.0
+    fishes.close[free] = False
     run_routines(free, fishes, minds, sea, world.nature, clock)
     share(steering.keep_clear, free, LEAST_MINDS, fishes, minds, sea)
     if isinstance(order, TeleopCommands):
@@ -195,6 +204,8 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)
     biting.bite(fishes, minds, sea, clock)
+    if len(sea.stock):
+        grazing.bite(fishes, minds, sea, clock)
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, sea, clock)
 
 

@@ -12,6 +12,7 @@ from subsea.fish.species import Species
 from subsea.habitat.current import REACH_CM
 from subsea.habitat.rocks import RockCells, rock_cells
 from subsea.motor.switching import Dynamics
+from subsea.perception.sites import SiteGrids, grids_of
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario
 from subsea.state import Nature, Physics, State
@@ -45,6 +46,8 @@ class World:
     reported_bursts: set[tuple[int, Physics]] = field(default_factory=set)
     # The rocks, and the cells that list these rocks.
     _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
+    # The sites, and these sorted by kind.
+    _sorted: tuple[Array, SiteGrids] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Resolve the directions."""
@@ -57,6 +60,14 @@ class World:
         if self._listed is None or self._listed[0] is not rocks:
             self._listed = rocks, rock_cells(rocks, REACH_CM)
         return self._listed[1]
+
+    @property
+    def site_grids(self) -> SiteGrids:
+        """Return the sites of the sea, sorted by kind."""
+        places = self.state.sea.site_place
+        if self._sorted is None or self._sorted[0] is not places:
+            self._sorted = places, grids_of(self.state.sea)
+        return self._sorted[1]
 
     @property
     def flowing_cm_s(self) -> tuple[float, float]:

@@ -24,6 +24,6 @@ def make_sea():
             "climate": np.array([27.0, 21.0, DEPTH, 700.0]),
             "plankton": specks,
         }
-        return empty(Sea, given=given, p=len(specks), c=0)
+        return empty(Sea, given=given, p=len(specks), c=0, s=0, q=0)
 
     return make

@@ -8,7 +8,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from subsea.base.arrays import Array
-from subsea.frame.packet import Packet
+from subsea.frame.packet import MOST_BITES, Packet
 from subsea.habitat.day import daylight_at
 from subsea.habitat.stone import night_at, sun_at
 from subsea.rendering.gl.shaders import view_block
@@ -199,6 +199,7 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
         }
         | light_uniforms(water, view.eye)
         | _lamps(packet)
+        | _bites(packet)
     )
     return values | {"view": view_block(values)}
 
@@ -209,3 +210,10 @@ def _lamps(packet: Packet) -> dict[str, Any]:
         return {}
     places, ways = ([tuple(map(float, one)) for one in part] for part in packet.lamps)
     return {"u_lamps": places, "u_beams": ways}
+
+
+def _bites(packet: Packet) -> dict[str, Any]:
+    """Places where growth was eaten, padded to the length of the shaders' array."""
+    rows = np.zeros((MOST_BITES, 4), np.float32)
+    rows[: len(packet.bites)] = packet.bites
+    return {"u_bites": rows.tobytes(), "u_bitten": len(packet.bites)}

@@ -1,0 +1,144 @@
+"""Cleaning: a cleaner holds a station; fishes that itch pose there and are picked clean.
+
+A client stands still with its head up and its fins spread. The cleaner inspects it from head to
+tail. A jolt of the client ends it, and the next one has its turn (Losey 1972).
+"""
+
+import numpy as np
+
+from subsea.base.arrays import Array, Ints
+from subsea.behavior.chasing import chase, mouth_of, set_urge
+from subsea.behavior.grazing import feed
+from subsea.geometry.noise import uniform
+from subsea.geometry.rotation import rotate, x_axis
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
+from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, POSE, Clock, Fishes, Minds, Nature, Sea
+
+ITCH_S = (500.0, 900.0)  # from one cleaning until a fish itches fully, by its identity
+BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
+WAITS_S = 30.0  # for the cleaner, which may be busy
+POSING = 0.67  # desire to be cleaned: more than to browse
+RING_CM, RING_BL = (
+    20.0,
+    1.2,
+)  # distance from the station at which clients stand, and by their length
+THERE_BL = 0.8  # distance from that place at which a client poses
+HEAD_UP = np.tan(np.radians(48.0))  # slope of a body that poses
+CLEANING, HOLDING = 0.9, 0.25  # desire to clean, and to hold the station
+CYCLE_S, HOLDS = 80.0, 0.6  # share of a cycle in which a cleaner without a client stays there
+NEAR_BL = 2.0  # distance of an idle cleaner from its station
+PASS_S = 7.0  # from head to tail and back
+TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the cleaner's length
+PICKS_HZ = 1.2
+CLEANED_S = 9.0  # of picking take away the whole itch
+JOLT_S = 16.0  # mean time until a client jolts
+GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim
+MEALS_S = 3.0  # digestion that a second of picking covers, s
+JOLT_PURPOSE = np.int64(122)  # key of the random numbers
+
+
+@kernel
+def posing_desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """The itch of fishes that know a cleaner's station; it grows with time."""
+    low, high = ITCH_S
+    for i in who:
+        out[i] = 0.0
+        if minds.ways[i] == 0 or minds.ways[i] & CLEANS:
+            continue
+        full = low + (high - low) * fishes.identity[i]
+        minds.itch[i] = min(minds.itch[i] + minds.pause[i] / full, 1.0)
+        least = ENDS if minds.intention[i] == POSE else BEGINS
+        if minds.cleaner[i] != NOBODY and minds.itch[i] > least and minds.errand[i] <= 0.0:
+            out[i] = POSING
+
+
+@kernel
+def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Come to a place around the station, and stand there with the head up."""
+    for i in who:
+        c = minds.cleaner[i]
+        if c == NOBODY:
+            continue
+        if minds.held[i] > WAITS_S and minds.client[c] != i:
+            minds.itch[i] = 0.9 * ENDS  # it gives up for now
+        spot = plus(vector(minds.home[c]), _place_in_ring(fishes, i))
+        toward = minus(spot, vector(fishes.position[i]))
+        ahead = x_axis(fishes.orientation[i])
+        if norm(toward) > THERE_BL * fishes.length[i]:
+            chase(fishes, minds, i, spot, ZERO)
+            continue
+        level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-3)
+        set_urge(minds, i, (ahead[0] / level, ahead[1] / level, HEAD_UP))
+        fishes.goal_speed[i] = 0.0
+
+
+@kernel
+def _place_in_ring(fishes: Fishes, i: int) -> Vector:
+    """Where client i stands, from the station, cm: each in its own direction."""
+    turn = 2.0 * np.pi * float(fishes.identity[i])
+    away = RING_CM + RING_BL * float(fishes.length[i])
+    return away * np.cos(turn), away * np.sin(turn), 0.3 * away
+
+
+@kernel
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """The wish of a cleaner to clean a fish that poses."""
+    for i in who:
+        free = minds.client[i] != NOBODY and minds.errand[i] <= 0.0
+        out[i] = CLEANING if free and minds.courtship[i] == NO_COURTSHIP else 0.0
+
+
+@kernel
+def holding_desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """The wish of a cleaner to hold its station, for a part of each cycle."""
+    for i in who:
+        out[i] = 0.0
+        if minds.ways[i] & CLEANS and minds.errand[i] <= 0.0:
+            cycle = clock.tick * clock.dt / CYCLE_S + float(fishes.identity[i])
+            out[i] = HOLDING if cycle % 1.0 < HOLDS else 0.0
+
+
+@kernel
+def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Inspect the client from head to tail, or hover at the station.
+
+    It writes the itch of the client.
+    """
+    now = clock.tick * clock.dt
+    for i in who:
+        j = np.int64(minds.client[i])
+        length = float(fishes.length[i])
+        if j == NOBODY:
+            gap = chase(fishes, minds, i, vector(minds.home[i]), ZERO)
+            if gap < NEAR_BL * length:
+                fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(0.5 * GLIDES))
+            continue
+        skin = _skin(fishes, i, j, now)
+        gap = chase(fishes, minds, i, skin, vector(fishes.velocity[j]))
+        fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(GLIDES))
+        if gap > TOUCH_BL * length:
+            continue
+        fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)
+        minds.itch[j] = max(minds.itch[j] - np.float32(minds.pause[i] / CLEANED_S), np.float32(0.0))
+        feed(minds, i, MEALS_S * float(minds.pause[i]), now)
+        if uniform(clock.seed, j, clock.tick, JOLT_PURPOSE) < minds.pause[i] / JOLT_S:
+            minds.itch[j] = min(minds.itch[j], np.float32(0.5 * ENDS))
+
+
+@kernel
+def _skin(fishes: Fishes, i: int, j: int, now: float) -> Vector:
+    """The point of the skin of fish j at which cleaner i is at a time, on its side of the body."""
+    wave = abs(2.0 * ((now / PASS_S) % 1.0) - 1.0)
+    q = fishes.orientation[j]
+    along = float(fishes.snout[j]) - (0.1 + 0.7 * wave) * float(fishes.length[j])
+    side = rotate(q, (0.0, 0.0, 1.0))
+    off = minus(mouth_of(fishes, i), vector(fishes.position[j]))
+    wide = 0.5 * float(fishes.girth[j, 1]) * (1.0 if dot(off, side) > 0.0 else -1.0)
+    return plus(vector(fishes.position[j]), plus(times(along, x_axis(q)), times(wide, side)))

@@ -1,0 +1,277 @@
+"""What a fish sees on stone and among corals: food, cover, and shadows of large things.
+
+Sites never move, so that their grids are made once for each sea. Only a hungry fish looks for food,
+and only a fish that is alarmed, or bathes, for cover.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.base.arrays import Array, Ints
+from subsea.geometry.noise import uniform
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
+from subsea.perception.grid import Grid, make_grid, near_slots, nearest
+from subsea.perception.vision import ahead_of, eye_of, hidden
+from subsea.state import (
+    ANEMONE,
+    BATHES,
+    CLEANS,
+    COVER,
+    FOODS,
+    HIDES,
+    HUNGER,
+    NO_COURTSHIP,
+    NOBODY,
+    POSE,
+    SITES,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
+
+CELL_CM = 60.0
+FOOD_CM, COVER_CM = 400.0, 250.0  # distances at which food is seen and cover is reached
+ANEMONE_CM = 80.0  # farthest anemone from the home of a fish that bathes
+NEAREST = 8  # places of a kind among which a fish chooses
+GUESS_CM = 80.0
+LEAST_STOCK = 0.3  # at which a place is grazed bare
+FULL = 0.6  # stock of a place that a fish chooses
+NEAR_BL = 2.0  # distance at which a place is known without being seen
+PEEK_CM = 12.0  # height over a place at which it is seen
+TURN = 0.6  # share by which the way to a place straight behind is longer
+SHUNS = 1.5  # radii of a territory within which a fish that was chased off does not feed
+FACING = 0.1  # least cosine between the way to a fish and the normal of a surface that it sees
+CHANCE_CM = 25.0  # by which the choice of a place varies
+STILL_HUNGRY = 0.3  # share of `keen` at which a feeding fish is full
+CYCLE_S = (40.0, 70.0)  # in which a fish browses, by its identity ...
+BROWSING = 0.33  # ... for this share: reef fishes feed for much of the day
+STATION_CM, CLEANER_CM = 180.0, 500.0  # around a station; from which a client sees a cleaner
+AWAY_CM = 300.0  # distance of a cleaner from its station at which it has no clients
+ITCHES = 0.35  # itch at which a fish looks for a cleaner
+NIGHT_CM = 800.0  # distance from which a fish goes to cover for the night
+DUSK, SMALL_CM = (0.08, 0.3), 12.0  # daylight at which large and small fishes retire
+LARGE_CM = 80.0  # a longer fish casts a shadow that frightens
+OUTSIZED = 3.0  # ... if it is so many times as long as the fish below
+HULL_HALF_CM = 110.0  # half the length of the submarine
+SHADOW_CM = 500.0  # height from which a shadow frightens
+ADRIFT_CM_S = 10.0  # a slower thing does not
+STEEP = 0.6  # distance aside over the height within which a thing is overhead
+CHOICE_PURPOSE = np.int64(120)  # key of the random numbers
+
+SiteGrids = tuple[Grid, Grid, Grid, Grid, Grid, Grid]  # by kind of site
+
+
+class Nearest(NamedTuple):
+    """Room for the nearest places of a kind, and their distances, cm."""
+
+    found: Ints  # (NEAREST,)
+    gaps: Array
+
+
+def grids_of(sea: Sea) -> SiteGrids:
+    """Sort the sites of a sea by kind."""
+    first, *rest = (
+        make_grid(sea.site_place, np.flatnonzero(sea.site_kind == kind), CELL_CM)
+        for kind in range(len(SITES))
+    )
+    a, b, c, d, e = rest
+    return first, a, b, c, d, e
+
+
+class Reefers(NamedTuple):
+    """Fishes that those of a reef look for."""
+
+    large: Grid  # whose shadows frighten
+    cleaners: Grid
+    posing: Grid  # for a cleaner
+
+
+def reefers_of(fishes: Fishes, minds: Minds) -> Reefers:
+    """Sort large fishes, cleaners and their clients."""
+    alive = fishes.alive
+    chosen = alive & (fishes.length >= LARGE_CM), alive & (minds.ways & CLEANS > 0)
+    groups = *chosen, alive & (minds.intention == POSE)
+    a, b, c = (make_grid(fishes.position, np.flatnonzero(group), STATION_CM) for group in groups)
+    return Reefers(a, b, c)
+
+
+@kernel
+def see_sites(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock,
+    grids: SiteGrids, others: Reefers,
+) -> None:  # fmt: skip
+    """Set site, cover, shadow, cleaner and client of the fishes `who`."""
+    room = Nearest(np.empty(NEAREST, np.int64), np.empty(NEAREST))
+    slots = np.empty(len(others.large.member), np.int64)
+    one, gap = np.empty(1, np.int64), np.empty(1)
+    for i in who:
+        if minds.diet[i]:
+            _see_food(i, fishes, minds, sea, nature, clock, grids, room)
+        if minds.ways[i]:
+            minds.dark[i] = rests(fishes, i, sea)
+            minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
+            _see_cover(i, fishes, minds, sea, grids, room)
+        minds.cleaner[i] = minds.client[i] = NOBODY
+        if minds.ways[i] & CLEANS:
+            # Whoever poses nearest to its station.
+            nearest(others.posing, vector(minds.home[i]), STATION_CM, i, one, gap, GUESS_CM)
+            if one[0] >= 0 and minds.cleaner[one[0]] == i:
+                minds.client[i] = one[0]
+        elif minds.itch[i] > ITCHES:
+            here = vector(fishes.position[i])
+            nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)
+            if one[0] >= 0 and is_near_station(fishes, minds, one[0]):
+                way = minus(vector(minds.home[one[0]]), vector(minds.home[i]))
+                if norm(way) < minds.home_range[i]:
+                    minds.cleaner[i] = one[0]
+
+
+@kernel
+def is_near_station(fishes: Fishes, minds: Minds, i: int) -> bool:
+    """True if cleaner i is not far from its station."""
+    return norm(minus(vector(fishes.position[i]), vector(minds.home[i]))) < AWAY_CM
+
+
+@kernel
+def _see_food(
+    i: int, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock,
+    grids: SiteGrids, room: Nearest,
+) -> None:  # fmt: skip
+    """Keep the place where fish i feeds, or choose another one in sight.
+
+    A fish that courts, or neither is hungry nor browses, has none.
+    """
+    busy = minds.courtship[i] != NO_COURTSHIP or minds.betrothed[i] != NOBODY
+    feeds = minds.mental[i, HUNGER] > STILL_HUNGRY * nature.keen or browses(fishes, i, clock)
+    if busy or minds.errand[i] > 0.0 or not feeds:
+        minds.site[i] = -1
+        return
+    if minds.site[i] >= 0 and sea.stock[minds.site[i]] > LEAST_STOCK:
+        return
+    eye, ahead = eye_of(fishes, i), ahead_of(fishes, i)
+    best, least = -1, np.inf
+    found, gaps = room.found, room.gaps
+    for kind in range(FOODS):
+        if not minds.diet[i] & (1 << kind) or len(grids[kind].member) == 0:
+            continue
+        nearest(grids[kind], eye, FOOD_CM, -1, found, gaps, GUESS_CM)
+        for k in range(NEAREST):
+            s = found[k]
+            if s < 0:
+                break
+            place = vector(sea.site_place[s])
+            toward = minus(place, eye)
+            cosine = dot(toward, ahead) / max(gaps[k], 1e-6)
+            cost = gaps[k] * (1.0 + 0.5 * TURN * (1.0 - cosine))
+            cost += CHANCE_CM * uniform(clock.seed, i, clock.tick + (s << 40), CHOICE_PURPOSE)
+            facing = -dot(toward, vector(sea.site_normal[s]))
+            if cost >= least or sea.stock[s] < FULL or facing < FACING * gaps[k]:
+                continue
+            if norm(minus(place, vector(minds.home[i]))) > minds.home_range[i]:
+                continue
+            j = minds.chaser[i]
+            if (
+                j != NOBODY
+                and norm(minus(place, vector(minds.home[j]))) < SHUNS * minds.territory[j]
+            ):
+                continue
+            height = PEEK_CM + float(sea.site_depth[s])
+            above = plus(place, times(height, vector(sea.site_normal[s])))
+            if gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, above):
+                best, least = s, cost
+    minds.site[i] = best
+
+
+@kernel
+def browses(fishes: Fishes, i: int, clock: Clock) -> bool:
+    """True in the part of its own cycle in which fish i feeds even if it is hardly hungry."""
+    low, high = CYCLE_S
+    own = float(fishes.identity[i])
+    cycle = clock.tick * clock.dt / (low + (high - low) * own) + 5.0 * own
+    return bool(cycle % 1.0 < BROWSING)
+
+
+@kernel
+def _see_cover(
+    i: int, fishes: Fishes, minds: Minds, sea: Sea, grids: SiteGrids, room: Nearest
+) -> None:
+    """Set the cover of fish i: its anemone, or the nearest hiding place in sight.
+
+    A fish that hides keeps its hiding place until it leaves it.
+    """
+    found, gaps = room.found, room.gaps
+    if minds.ways[i] & BATHES and len(grids[ANEMONE].member) > 0:
+        if minds.cover[i] < 0:
+            home = vector(minds.home[i])
+            nearest(grids[ANEMONE], home, ANEMONE_CM, -1, found[:1], gaps[:1], GUESS_CM)
+            minds.cover[i] = found[0]
+        if minds.cover[i] >= 0:
+            return
+    night = minds.dark[i]
+    if not minds.ways[i] & HIDES or minds.wary[i] > 0.0 or (night and minds.cover[i] >= 0):
+        return
+    minds.cover[i] = -1
+    afraid = minds.shadow[i] > 0.0 or minds.fright[i] > 0.0
+    if not (afraid or night) or len(grids[COVER].member) == 0:
+        return
+    eye = eye_of(fishes, i)
+    reach = COVER_CM if afraid else NIGHT_CM
+    nearest(grids[COVER], eye, reach, -1, found, gaps, GUESS_CM)
+    for k in range(NEAREST):
+        if found[k] < 0:
+            break
+        height = float(sea.site_depth[found[k]])
+        door = plus(
+            vector(sea.site_place[found[k]]), times(height, vector(sea.site_normal[found[k]]))
+        )
+        # By night it goes to a place that it knows.
+        if night or gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, door):
+            minds.cover[i] = found[k]
+            break
+
+
+@kernel
+def rests(fishes: Fishes, i: int, sea: Sea) -> bool:
+    """True if it is too dark for fish i to be about.
+
+    Small fishes retire first in the evening and emerge last in the morning (Hobson 1972).
+    """
+    least, more = DUSK
+    return bool(sea.sky[1] < least + more * math.exp(-float(fishes.length[i]) / SMALL_CM))
+
+
+@kernel
+def shadow_over(fishes: Fishes, i: int, sea: Sea, large: Grid, slots: Ints) -> float:
+    """How dark the shadow is that moves over fish i, 0 to 1.
+
+    The submarine and large fishes cast one on all below them.
+    """
+    here = vector(fishes.position[i])
+    hull = minus(vector(sea.submarine[:3]), here)
+    darkest = 0.0
+    if norm(vector(sea.submarine[3:6])) > ADRIFT_CM_S:
+        darkest = _darkness(hull, HULL_HALF_CM)
+    for k in range(near_slots(large, here, SHADOW_CM, slots)):
+        j = large.member[slots[k]]
+        moves = norm(vector(fishes.velocity[j])) > ADRIFT_CM_S
+        if moves and fishes.length[j] > OUTSIZED * fishes.length[i]:
+            toward = minus(vector(large.place[slots[k]]), here)
+            darkest = max(darkest, _darkness(toward, 0.5 * float(fishes.length[j])))
+    return darkest
+
+
+@kernel
+def _darkness(toward: Vector, half: float) -> float:
+    """Darkness of the shadow of a thing at `toward`, cm, that is `half` cm wide to each side."""
+    height = toward[2]
+    if height <= 0.0 or height > SHADOW_CM:
+        return 0.0
+    aside = math.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
+    if aside > half + STEEP * height:
+        return 0.0
+    return 1.0 - height / SHADOW_CM

@@ -1,0 +1,60 @@
+"""Fishes that intrude into the territory of another one."""
+
+import numpy as np
+
+from subsea.base.arrays import Ints
+from subsea.geometry.vector import dot, minus, vector
+from subsea.kernels import kernel
+from subsea.perception.collision import Crowd
+from subsea.perception.grid import near_slots
+from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
+
+FOLLOWS = 1.5  # radii of a territory to which a resident follows an intruder
+OUTSIZED = 4.0  # a fish so many times as long as the resident is let alone
+
+
+@kernel
+def find_intruders(who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd, Crowd]) -> None:
+    """Set `minds.intruder` of those of the fishes `who` that guard a territory.
+
+    The nearest fish of another species counts. One that is followed counts until it is far off.
+    Schools, predators, cleaners, courting fishes and much larger ones are let alone.
+    """
+    most = 0
+    for i in who:
+        if minds.territory[i] > 0.0:
+            most = max(len(crowds[0].grid.member), len(crowds[1].grid.member))
+    if most == 0:
+        return
+    slots = np.empty(most, np.int64)
+    for i in who:
+        radius = float(minds.territory[i])
+        if radius <= 0.0:
+            continue
+        home, here = vector(minds.home[i]), vector(fishes.position[i])
+        now, best, least = minds.intruder[i], int(NOBODY), np.inf
+        for crowd in crowds:
+            grid = crowd.grid
+            for k in range(near_slots(grid, home, FOLLOWS * radius, slots)):
+                j = grid.member[slots[k]]
+                if not _counts(fishes, minds, i, j):
+                    continue
+                off = minus(vector(grid.place[slots[k]]), home)
+                reach = FOLLOWS * radius if j == now else radius
+                if dot(off, off) > reach * reach:
+                    continue
+                away = minus(vector(grid.place[slots[k]]), here)
+                far = dot(away, away) * (0.5 if j == now else 1.0)
+                if far < least or (far == least and j < best):
+                    best, least = j, far
+        minds.intruder[i] = best
+
+
+@kernel
+def _counts(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
+    """True if fish i would chase fish j off."""
+    if fishes.species[i] == fishes.species[j] or minds.kind[j] == PREDATOR or minds.schools[j]:
+        return False
+    if minds.ways[j] & CLEANS or minds.courtship[j] != NO_COURTSHIP or minds.betrothed[j] != NOBODY:
+        return False
+    return bool(fishes.length[j] < OUTSIZED * fishes.length[i])
