@@ -9,6 +9,8 @@ from subsea.kernels import kernel
 from subsea.state import (
     ASCEND,
     DESCEND,
+    ESCAPE,
+    FEAR,
     LEFT,
     NOBODY,
     PREDATOR,
@@ -43,7 +45,8 @@ def desire(
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
         if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
-        panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
+        flees = minds.intention[i] == ESCAPE and minds.mental[i, FEAR] > nature.alarmed
+        panics = minds.kind[i] == PREY and (flees or minds.menace[i] >= nature.panicked)
         out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
 
 

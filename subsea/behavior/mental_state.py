@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
 from subsea.behavior.death import forget
+from subsea.behavior.threat_memory import felt_fear, grow_used
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
@@ -27,6 +28,7 @@ from subsea.state import (
     Fishes,
     Minds,
     Nature,
+    Sea,
 )
 
 # Tu's p0 = 0.00067 and p1 = 0.0025 per time unit of 0.1 s.
@@ -39,7 +41,7 @@ MATE_STIMULUS = (0.025, 0.1)
 
 @kernel
 def update_mental_state(
-    who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
     """Update `minds.mental` of the fishes `who` from what they perceive and remember.
 
@@ -60,8 +62,12 @@ def update_mental_state(
             urge = minds.libido_rate[i] * (now - minds.last_mating[i]) * (1.0 - hunger)
             mate = nature.libido_stimulus * stimulus(minds.mate_distance[i], *MATE_STIMULUS)
             minds.mental[i, LIBIDO] = min(max(urge + mate, 0.0), 1.0)
-        fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
-        minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
+        if minds.kind[i] != PREY:
+            minds.mental[i, FEAR] = 0.0
+            continue
+        grow_used(fishes, minds, i, sea, nature)
+        fear = felt_fear(fishes, minds, i, sea, nature)
+        minds.mental[i, FEAR] = min(minds.fright[i] if minds.fright[i] >= 0.0 else fear, 1.0)
 
 
 @kernel
@@ -177,4 +183,6 @@ def _forget_all(minds: Minds, i: int) -> None:
     minds.intention[i], minds.courtship[i] = WANDER, NO_COURTSHIP
     for name in ("busy", "menace", "menaces", "courtship_time", "courtship_count", "alone"):
         getattr(minds, name)[i] = 0.0
+    minds.unseen[i] = np.inf
+    minds.habituation[i] = minds.inspection[i] = 0.0
     minds.resumed[i] = False

@@ -13,9 +13,11 @@ from subsea.behavior import (
     curious,
     eating,
     escaping,
+    inspecting,
     leaving,
     mating,
     schooling,
+    vigilance,
     wandering,
 )
 from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Desire
@@ -39,6 +41,8 @@ OURS = (
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
+    Behavior("watch", vigilance.watch, ((EASE, vigilance.watch_desire),)),
+    Behavior("inspect", inspecting.act, ((DANGER, inspecting.desire),)),
 )
 
 

@@ -26,6 +26,7 @@ from subsea.state import (
 from subsea.world.world import TICK_S, World
 
 CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
+VIGILANT = INTENTIONS.index("watch"), INTENTIONS.index("inspect")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
 NOTHING = "nothing"
 
@@ -45,7 +46,7 @@ def focus(world: World, fish: int) -> Focus:
         if minds.threat[fish] >= 0:
             return _somebody(world, fish, int(minds.threat[fish]))
         return _barrier(world, int(minds.barrier[fish])), None
-    if intention == ESCAPE:
+    if intention == ESCAPE or intention in VIGILANT:
         return _somebody(world, fish, int(minds.predator[fish]))
     if intention == SCHOOL:
         if minds.led[fish] and minds.leader[fish] >= 0:

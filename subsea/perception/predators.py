@@ -10,6 +10,7 @@ from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point
 from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar
+LEAST_DREAD = 0.3  # share of the submarine's D₀ that is left for fishes that are used to it
 
 
 @kernel
@@ -19,8 +20,8 @@ def see_predators(
     """Set what the fishes `who` fear, from the predators in `grid`.
 
     Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine counts as one
-    more, with its own D₀. Only prey fear (Tu §7.9). `minds.menaces` is the sum, at most 1;
-    once it is 1, only more fearful predators are examined.
+    more, with its own D₀, unless that is 0. Only prey fear (Tu §7.9). `minds.menaces` is the
+    sum, at most 1; once it is 1, only more fearful predators are examined.
     """
     longest = 0.0
     for j in grid.member:
@@ -36,8 +37,9 @@ def see_predators(
         if minds.kind[i] == PREY:
             eye = eye_of(fishes, i)
             there = vector(sea.submarine)
-            if sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
-                danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
+            dread = dread_of_hull(minds, i, nature)
+            if dread > 0.0 and sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
+                danger = fearfulness(dread, norm(minus(there, eye)))
                 total += min(danger, 1.0)
                 insert(worst, cost, SUBMARINE, -danger)
             for k in range(near_slots(grid, eye, farthest, slots)):
@@ -60,3 +62,12 @@ def see_predators(
 def fearfulness(dread: float, distance: float) -> float:
     """D₀/d."""
     return dread / max(distance, 1e-6)
+
+
+@kernel
+def dread_of_hull(minds: Minds, i: int, nature: Nature) -> float:
+    """D₀ of the submarine for fish i, cm: halved after `habituation_s` near a harmless hull."""
+    used = float(minds.habituation[i])
+    if used <= 0.0:
+        return nature.submarine_cm
+    return nature.submarine_cm * max(0.5 ** (used / nature.habituation_s), LEAST_DREAD)

@@ -172,7 +172,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     schooling.guide_schools(fishes, minds, sea, clock)
     end_courtships(who, fishes, minds)
 
-    share(update_mental_state, who, LEAST_MINDS, fishes, minds, nature, clock)
+    share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     share(choose_intention, free, LEAST_MINDS, minds, nature, *table)

@@ -16,7 +16,8 @@ def _feel(tank, seconds=0.0, **minds):
     t = tank()
     for name, value in minds.items():
         getattr(t.minds, name)[:] = value
-    update_mental_state(ONE, t.fishes, t.minds, t.nature, Clock(1, round(seconds / TICK), TICK))
+    clock = Clock(1, round(seconds / TICK), TICK)
+    update_mental_state(ONE, t.fishes, t.minds, t.sea, t.nature, clock)
     return t.minds.mental[0], t.minds
 
 
