@@ -43,11 +43,17 @@ def desire(
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
-        if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
+        if yields and keeps_company(minds, i) and keeps_company(minds, j):
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
         flees = minds.intention[i] == ESCAPE and minds.mental[i, FEAR] > nature.alarmed
         panics = minds.kind[i] == PREY and (flees or minds.menace[i] >= nature.panicked)
         out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
+
+
+@kernel
+def keeps_company(minds: Minds, i: int) -> bool:
+    """True if fish i schools, or leaves its school to inspect a predator."""
+    return minds.intention[i] == SCHOOL or minds.inspection[i] > 0.0
 
 
 @kernel

@@ -51,10 +51,22 @@ def desire(
 
 
 @kernel
+def undaunted_desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """EAGERNESS of fishes that inspect although their fear is above f0."""
+    for i in who:
+        alarmed = minds.inspection[i] > 0.0 and minds.mental[i, FEAR] > nature.alarmed
+        out[i] = EAGERNESS if alarmed else 0.0
+
+
+@kernel
 def may_inspect(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clock) -> bool:
     """True if fish i is bold and wary, has company, and its predator is calm and minds others."""
     j = int(minds.predator[i])
     if j < 0 or not minds.schools[i] or minds.neighbour[i, 0] < 0:
+        return False
+    if minds.errand[i] > 0.0 or (minds.leader[i] >= 0 and minds.errand[minds.leader[i]] > 0.0):
         return False
     if minds.mental[i, FEAR] <= 0.5 * nature.alarmed or minds.menace[i] >= nature.panicked:
         return False

@@ -42,7 +42,11 @@ OURS = (
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
     Behavior("watch", vigilance.watch, ((EASE, vigilance.watch_desire),)),
-    Behavior("inspect", inspecting.act, ((DANGER, inspecting.desire),)),
+    Behavior(
+        "inspect",
+        inspecting.act,
+        ((DANGER, inspecting.undaunted_desire), (EASE, inspecting.desire)),
+    ),
 )
 
 

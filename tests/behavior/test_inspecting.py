@@ -12,8 +12,8 @@ from subsea.behavior.inspecting import (
     act,
     desire,
     is_shy,
+    undaunted_desire,
 )
-from subsea.behavior.table import BEHAVIORS
 from subsea.state import FEAR, PREDATOR, PREY
 
 SHARK = 60
@@ -82,5 +82,12 @@ def test_it_comes_near_from_the_side_once_and_then_rests(school):
     assert school.desire(desire)[bold] > 0.0  # rested
 
 
-def test_it_is_one_of_the_behaviors():
-    assert "inspect" in [behavior.name for behavior in BEHAVIORS]
+def test_it_goes_on_above_f0_and_stays_with_a_school_on_an_errand(school):
+    bold = int(_bold(school)[0])
+    for fear, daunted in ((0.45, True), (0.6, False)):
+        school.minds.mental[bold, FEAR] = fear
+        school.desire(desire)
+        assert (school.desire(undaunted_desire)[bold] == 0.0) == daunted
+    school.minds.leader[bold], school.minds.errand[1] = 1, 0.5
+    assert school.desire(desire)[bold] == 0.0
+    assert school.desire(undaunted_desire)[bold] == 0.0
