@@ -38,11 +38,14 @@ def desire(
     """1 where perception found a danger of collision, else 0.
 
     Hunters do not yield to prey, and prey in panic minds its predator alone: `keep_clear` leads
-    both past what they meet. Fishes of a school make room for each other by schooling.
+    both past what they meet. Prey that fears a predator flees it instead. Fishes of a school make
+    room for each other by schooling.
     """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
+        if yields and minds.kind[i] == PREY and minds.kind[j] == PREDATOR:
+            yields = minds.mental[i, FEAR] <= nature.alarmed
         if yields and keeps_company(minds, i) and keeps_company(minds, j):
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
         flees = minds.intention[i] == ESCAPE and minds.mental[i, FEAR] > nature.alarmed

@@ -10,6 +10,7 @@ from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point
 from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar
+FELT_BL = 0.8  # distance, in lengths of the predator, at which its bow wave is felt
 LEAST_DREAD = 0.3  # share of the submarine's D₀ that is left for fishes that are used to it
 
 
@@ -21,7 +22,8 @@ def see_predators(
 
     Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine counts as one
     more, with its own D₀, unless that is 0. Only prey fear (Tu §7.9). `minds.menaces` is the
-    sum, at most 1; once it is 1, only more fearful predators are examined.
+    sum, at most 1; once it is 1, only more fearful predators are examined. The lateral line
+    feels the bow wave of a predator that is near, also in the blind angle.
     """
     longest = 0.0
     for j in grid.member:
@@ -50,7 +52,8 @@ def see_predators(
                 danger = fearfulness(float(minds.dread[i]), norm(gap))
                 if total >= 1.0 and -danger > cost[-1]:
                     continue  # it adds nothing, and the test of sight is the most expensive
-                if sees_fish(fishes, i, j, sea, nature):
+                felt = norm(gap) < FELT_BL * float(fishes.length[j])
+                if felt or sees_fish(fishes, i, j, sea, nature):
                     total += min(danger, 1.0)
                     insert(worst, cost, j, -danger)
         minds.predator[i] = worst[0]

@@ -232,7 +232,7 @@ def test_panic_ends_later_than_it_began(around):
     nature = around[1]
     fishes, minds = _pair((250.0, 0.0, 0.0))
     minds.schools[0], minds.leader[0], minds.leader_seen[0] = True, 1, 0.0
-    minds.mental[:, FEAR] = minds.menace[:] = 0.95 * nature.panicked
+    minds.mental[:, FEAR] = minds.menace[:] = 0.97 * nature.panicked
     out = np.zeros(2, np.float32)
     for intention, wanted in ((SCHOOL, False), (ESCAPE, True)):
         minds.intention[0] = intention
