@@ -23,9 +23,10 @@ from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, S
 ALARMING = 1.25  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
 RECOGNISED = 0.5  # fear of what is in sight, over the fear remembered, to be its cause
 KNOWN = 3.0  # time constants for which a fish knows where the threat was
+ATTENDED = 4  # nearest companions at which a fish looks for alarm
 # Companions that started within the time since the last look and STARTED_S alarm a fish if they
-# are at least the share CALM_SHARE of all, or AFRAID_SHARE for one in full fear.
-STARTED_S, CALM_SHARE, AFRAID_SHARE = 0.1, 0.4, 0.14
+# are at least the share CALM_SHARE of those, or AFRAID_SHARE for one in full fear.
+STARTED_S, CALM_SHARE, AFRAID_SHARE = 0.1, 0.7, 0.2
 LEAST_CALM_S = 1.5  # time since its own start until those of companions alarm a fish
 # Evidence of an attack, s at the threshold of looming: companions that start are more than enough.
 WARNED_S, UNSURE_S = 1.0, 0.09
@@ -43,7 +44,9 @@ def felt_fear(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
 
     Update the place of the threat, and the time since it was perceived.
     """
-    faded = float(minds.mental[i, FEAR]) * math.exp(-float(minds.pause[i]) / nature.fear_s)
+    faded = float(minds.mental[i, FEAR])
+    if faded > 0.0:
+        faded *= math.exp(-float(minds.pause[i]) / nature.fear_s)
     present = float(minds.menaces[i])
     j = minds.predator[i]
     if j != NOBODY and present > 0.0 and present >= RECOGNISED * faded:
@@ -65,7 +68,7 @@ def _alarm(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
     minds.alert[i] = min(minds.alert[i], np.float32(UNSURE_S))
     before = np.float32(STARTED_S) + minds.pause[i]
     count, started, first = 0, 0, NOBODY
-    for j in minds.neighbour[i]:
+    for j in minds.neighbour[i, :ATTENDED]:
         if j < 0:
             break
         count += 1
@@ -116,6 +119,8 @@ def grow_used(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
 
     It grows with time near a hull in sight, and is lost at once to one that rushes at the fish.
     """
+    if minds.predator[i] == NOBODY and minds.habituation[i] == 0.0:
+        return
     pause = float(minds.pause[i])
     toward = minus(vector(fishes.position[i]), vector(sea.submarine[:3]))
     distance = norm(toward)
