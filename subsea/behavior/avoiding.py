@@ -13,6 +13,8 @@ from subsea.kernels import kernel
 from subsea.state import (
     ASCEND,
     DESCEND,
+    ESCAPE,
+    FEAR,
     LEFT,
     NOBODY,
     PREDATOR,
@@ -50,17 +52,26 @@ def desire(
     """1 where perception found a danger of collision, else 0.
 
     Hunters do not yield to prey, nor large fishes to much smaller ones, and prey in panic minds its
-    predator alone: `keep_clear` leads them past what they meet. Fishes of a school make room for
-    each other by schooling.
+    predator alone: `keep_clear` leads them past what they meet. Prey that fears a predator flees it
+    instead. Fishes of a school make room for each other by schooling.
     """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
         yields = yields and fishes.length[j] > SMALL * fishes.length[i]
-        if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
+        if yields and minds.kind[i] == PREY and minds.kind[j] == PREDATOR:
+            yields = minds.mental[i, FEAR] <= nature.alarmed
+        if yields and keeps_company(minds, i) and keeps_company(minds, j):
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
-        panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
+        flees = minds.intention[i] == ESCAPE and minds.mental[i, FEAR] > nature.alarmed
+        panics = minds.kind[i] == PREY and (flees or minds.menace[i] >= nature.panicked)
         out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
+
+
+@kernel
+def keeps_company(minds: Minds, i: int) -> bool:
+    """True if fish i schools, or leaves its school to inspect a predator."""
+    return minds.intention[i] == SCHOOL or minds.inspection[i] > 0.0
 
 
 @kernel

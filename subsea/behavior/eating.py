@@ -9,6 +9,7 @@ from subsea.behavior.hunting import EAGER, hunt, is_chewing
 from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
+from subsea.behavior.threat_memory import wariness
 from subsea.behavior.wandering import is_at_home, wander
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
@@ -49,6 +50,8 @@ def desire(
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)
         food = near or (bites and is_at_home(minds, i, vector(sea.hook)))
+        # Wary fishes stop feeding before they flee.
+        least += (1.0 - least) * wariness(minds, i, nature)
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
 
 

@@ -34,7 +34,9 @@ INHIBITION, GRACE = 0.2, 0.05
 # Factor on a desire that still recovers, so that a fish rests longer than a moment.
 RESTS = 0.8
 MEMORY_S = 12.0  # after which an interrupted intention is forgotten
-DWELL_S = 0.4  # least duration of a reaction, unless a more urgent one interrupts it
+# Least duration of an intention unless a reaction interrupts it. A reaction lasts so long after its
+# cause was last perceived, unless another reaction interrupts it.
+DWELL_S = 0.5
 LASTING = 2  # first level whose intentions are remembered; earlier ones are reactions
 
 
@@ -76,9 +78,11 @@ def choose_intention(
         held = minds.memory[i] >= 0
         row = _strongest(strength, level, behavior, now)
         minds.held[i] += minds.pause[i]
-        if not lasting[now] and minds.held[i] < DWELL_S:
-            mine = _first(behavior, now)
-            row = mine if level[row] >= level[mine] else row
+        if not lasting[now] and _row_of(strength, behavior, now) >= 0:
+            minds.held[i] = 0.0  # its cause is still there
+        gives_way = level[row] >= LASTING if lasting[now] else lasting[behavior[row]]
+        if gives_way and minds.held[i] < DWELL_S:
+            row = _calmest(level, behavior, now)
         wanted = behavior[row]
         if level[row] < LASTING:
             if wanted != now and lasting[now]:
@@ -136,11 +140,11 @@ def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
 
 
 @kernel
-def _first(behavior: Ints, code: int) -> int:
-    """The first row of behavior `code`, which has one."""
-    row = 0
+def _calmest(level: Ints, behavior: Ints, code: int) -> int:
+    """The row of behavior `code`, which has one, on its least urgent level."""
+    row = len(level) - 1
     while behavior[row] != code:
-        row += 1
+        row -= 1
     return row
 
 

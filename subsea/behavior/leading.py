@@ -3,15 +3,15 @@
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
+from subsea.behavior.vigilance import closed_by
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import FEAR, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 SPACING_BL = 1.0  # distance to each neighbour
 FOLLOW_BL = 5.0  # distance to the leader at which a follower catches up
 OWN_WAY, COMPANY = 2.0, 0.3  # weights of way and company in passing an obstacle, ...
 HURRY = 0.7  # ... and least speed there, to rejoin soon
-CLOSED = 0.6  # factor on the spacing in an alarmed school
 SIGHT_S = 1.0  # how recently a leader must have been seen to copy its heading
 LOST_S = 25.0  # how long a fish swims on to where it last saw its leader
 # A school of n extends REACH_BL n^(1/3) from its leader, which waits while more than the share
@@ -31,7 +31,7 @@ def follow_leader(
     ahead = vector(fishes.goal_direction[leader]) if lost < SIGHT_S else ZERO
     toward = minus(vector(minds.leader_place[i]), here) if lost < LOST_S else ZERO
     pace = fishes.goal_speed[leader] if lost < SIGHT_S else fishes.goal_speed[i]
-    spacing = SPACING_BL * (CLOSED if minds.mental[i, FEAR] > nature.alarmed else 1.0)
+    spacing = SPACING_BL * closed_by(minds, i, nature)
     company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
                        spacing)  # fmt: skip
     urge = plus(plus(_pull(toward, length), ahead), company)

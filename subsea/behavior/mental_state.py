@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Ints
 from subsea.behavior.curious import CURIOUS, SHY_S
 from subsea.behavior.death import forget
+from subsea.behavior.threat_memory import felt_fear, grow_used
 from subsea.fish.character import draw_character
 from subsea.fish.species import Species
 from subsea.habitat.day import ardour
@@ -72,8 +73,12 @@ def update_mental_state(
             mate = nature.libido_stimulus * stimulus(minds.mate_distance[i], *MATE_STIMULUS)
             share = 1.0 if minds.ardent[i] or minds.betrothed[i] >= 0 else season
             minds.mental[i, LIBIDO] = share * min(max(urge + mate, 0.0), 1.0)
-        fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
-        minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
+        if minds.kind[i] != PREY:
+            minds.mental[i, FEAR] = 0.0
+            continue
+        grow_used(fishes, minds, i, sea, nature)
+        fear = felt_fear(fishes, minds, i, sea, nature)
+        minds.mental[i, FEAR] = min(minds.fright[i] if minds.fright[i] >= 0.0 else fear, 1.0)
 
 
 @kernel
@@ -216,4 +221,6 @@ def _forget_all(minds: Minds, i: int) -> None:
     minds.intention[i], minds.courtship[i] = WANDER, NO_COURTSHIP
     for name in ("busy", "menace", "menaces", "courtship_time", "courtship_count", "alone"):
         getattr(minds, name)[i] = 0.0
+    minds.unseen[i] = np.inf
+    minds.habituation[i] = minds.inspection[i] = 0.0
     minds.resumed[i] = False

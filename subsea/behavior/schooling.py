@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
-from subsea.behavior.leading import CLOSED, LOST_S, follow_leader
+from subsea.behavior.leading import LOST_S, follow_leader
+from subsea.behavior.vigilance import away_from_threat, closed_by, haste
 from subsea.behavior.wandering import BOUND, redraw
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 APART_BL, ATTRACT_BL, FAR_BL = 0.8, 1.0, 3.0  # separation within, attraction beyond, full beyond
 LAYER = 0.65  # factor on vertical distances: the nearest neighbour is at nearly the same depth
@@ -103,14 +104,16 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         here, length = vector(fishes.position[i]), float(fishes.length[i])
         alarmed = minds.mental[i, FEAR] > nature.alarmed
         school = known_by(minds, i)
-        spacing = (CLOSED if alarmed else loose) / np.sqrt(float(minds.sociability[i]))
+        spacing = closed_by(minds, i, nature) / np.sqrt(float(minds.sociability[i]))
+        if not alarmed:
+            spacing *= loose
         urge, heading, pace = _company(fishes, minds, i, spacing)
         cruising = CRUISING * float(minds.activity[i])
         if minds.errand[school] > 0.0:
             cruising = minds.errand[school] * np.sqrt(fishes.length[school] / length)
         if alarmed:
-            cruising = ALARMED_SPEED
-            urge = plus(urge, times(FLEE, _away(fishes, minds, i, sea)))
+            cruising += (ALARMED_SPEED - CRUISING) * haste(minds, i, nature)
+            urge = plus(urge, times(FLEE, away_from_threat(fishes, minds, i, sea, nature)))
         elif is_informed(i, school, clock):
             toward = minus(vector(minds.waypoint[school]), here)
             distance = max(norm(toward), NEAR_GOAL_BL * length)
@@ -173,17 +176,6 @@ def _company(fishes: Fishes, minds: Minds, i: int, spacing: float) -> tuple[Vect
     if count == 0:
         return urge, heading, CRUISING
     return urge, heading, share * speed / fishes.fast[i] + ALONG * dot(keep, ahead)
-
-
-@kernel
-def _away(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> Vector:
-    """Unit vector away from the worst predator in sight, or zero."""
-    j = minds.predator[i]
-    if j == NOBODY:
-        return ZERO
-    danger = vector(sea.submarine[:3]) if j == SUBMARINE else vector(fishes.position[j])
-    away = minus(vector(fishes.position[i]), danger)
-    return times(1.0 / max(norm(away), 1.0), away)
 
 
 @kernel

@@ -16,11 +16,13 @@ from subsea.behavior import (
     eating,
     escaping,
     grazing,
+    inspecting,
     leaving,
     mating,
     schooling,
     sheltering,
     territory,
+    vigilance,
     wandering,
 )
 from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Desire
@@ -63,6 +65,12 @@ OURS = (
     ),
     Behavior("shun", company.shun, ((EASE, company.shun_desire),)),
     Behavior("stay", company.stay, ((EASE, company.stay_desire),)),
+    Behavior("watch", vigilance.watch, ((EASE, vigilance.watch_desire),)),
+    Behavior(
+        "inspect",
+        inspecting.act,
+        ((DANGER, inspecting.undaunted_desire), (EASE, inspecting.desire)),
+    ),
 )
 
 

@@ -129,6 +129,9 @@ def _fleeing(context: DirectingContext, cue: Cue) -> Cast | None:
     fishes, minds = context.state.fishes, context.state.minds
     afraid = fishes.alive[cue.of] & (minds.mental[cue.of, FEAR] > context.nature.alarmed)
     those = cue.of[afraid]
+    # Fear lasts longer than the sight of its cause.
+    sees = minds.predator[those] != NOBODY
+    those = those[sees] if sees.any() else those
     return (int(those[0]), int(minds.predator[those[0]])) if len(those) else None
 
 

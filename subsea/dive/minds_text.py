@@ -41,6 +41,7 @@ from subsea.world.world import TICK_S, World
 FOOD = {TURF: "turf", POLYPS: "coral polyps", SPONGES: "a sponge", RUBBLE: "prey in rubble"}
 CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
 SHUN, STAY = INTENTIONS.index("shun"), INTENTIONS.index("stay")
+VIGILANT = INTENTIONS.index("watch"), INTENTIONS.index("inspect")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
 NOTHING = "nothing"
 
@@ -60,7 +61,7 @@ def focus(world: World, fish: int) -> Focus:
         if minds.threat[fish] >= 0:
             return _somebody(world, fish, int(minds.threat[fish]))
         return _barrier(world, int(minds.barrier[fish])), None
-    if intention == ESCAPE:
+    if intention == ESCAPE or intention in VIGILANT:
         return _somebody(world, fish, int(minds.predator[fish]))
     if intention == SCHOOL:
         if minds.led[fish] and minds.leader[fish] >= 0:

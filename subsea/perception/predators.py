@@ -11,6 +11,7 @@ from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 from subsea.state.feelings import dread_of
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar
+FELT_BL = 0.8  # distance, in lengths of the predator, at which its bow wave is felt
 
 
 @kernel
@@ -20,8 +21,9 @@ def see_predators(
     """Set what the fishes `who` fear, from the predators in `grid`.
 
     Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine counts as one
-    more, with its own D₀. Only prey fear (Tu §7.9). `minds.menaces` is the sum, at most 1;
-    once it is 1, only more fearful predators are examined.
+    more, with its own D₀, unless that is 0. Only prey fear (Tu §7.9). `minds.menaces` is the
+    sum, at most 1; once it is 1, only more fearful predators are examined. The lateral line
+    feels the bow wave of a predator that is near, also in the blind angle.
     """
     longest = 0.0
     for j in grid.member:
@@ -37,8 +39,8 @@ def see_predators(
         if minds.kind[i] == PREY:
             eye = eye_of(fishes, i)
             there = vector(sea.submarine)
-            if sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
-                dread = dread_of(minds, i, SUBMARINE, nature)
+            dread = dread_of(minds, i, SUBMARINE, nature)
+            if dread > 0.0 and sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
                 danger = fearfulness(dread, norm(minus(there, eye)))
                 total += min(danger, 1.0)
                 insert(worst, cost, SUBMARINE, -danger)
@@ -50,7 +52,8 @@ def see_predators(
                 danger = fearfulness(dread_of(minds, i, j, nature), norm(gap))
                 if total >= 1.0 and -danger > cost[-1]:
                     continue  # it adds nothing, and the test of sight is the most expensive
-                if sees_fish(fishes, i, j, sea, nature):
+                felt = norm(gap) < FELT_BL * float(fishes.length[j])
+                if felt or sees_fish(fishes, i, j, sea, nature):
                     total += min(danger, 1.0)
                     insert(worst, cost, j, -danger)
         minds.predator[i] = worst[0]

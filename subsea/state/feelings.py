@@ -13,6 +13,7 @@ from subsea.state.groups import Minds, Nature
 
 FADING_S = 150.0  # time in which a feeling falls to 1/e
 WARY = 0.5  # share by which entire dislike adds to the distance from which a predator is feared
+LEAST_DREAD = 0.3  # share of the submarine's D0 that is left for fishes that are used to it
 FORGOTTEN = 0.05  # strength below which a feeling is gone
 
 
@@ -58,8 +59,16 @@ def fade_feelings(who: Ints, minds: Minds) -> None:
 
 @kernel
 def dread_of(minds: Minds, i: int, j: int, nature: Nature) -> float:
-    """Return D0 of fish i for predator j or SUBMARINE, cm: by its timidity and feeling for it."""
-    dread = nature.submarine_cm if j == SUBMARINE else float(minds.dread[i])
+    """Return D0 of fish i for predator j or SUBMARINE, cm: by its timidity and feeling for it.
+
+    That of the submarine halves after `habituation_s` near a harmless hull.
+    """
+    dread = float(minds.dread[i])
+    if j == SUBMARINE:
+        used = float(minds.habituation[i])
+        dread = nature.submarine_cm
+        if used > 0.0:
+            dread *= max(0.5 ** (used / nature.habituation_s), LEAST_DREAD)
     feeling = feeling_for(minds, i, j)
     wary = 1.0 - (WARY if feeling < 0.0 else 1.0) * feeling
     return dread * float(minds.timidity[i]) * wary

@@ -267,10 +267,26 @@ class Minds(NamedTuple):
     busy: Annotated[F32, behavior("n", unit="s"), "duration of this intention, or of a reaction"]
     fatigue: Annotated[F32, behavior("b", "n", unit="s"), "active less inactive time of a behavior"]
     pause: Annotated[F32, behavior("n", unit="s"), "time since the fish last had its turn"]
-    held: Annotated[F32, behavior("n", unit="s"), "time for which it has had this intention"]
+    held: Annotated[
+        F32,
+        behavior("n", unit="s", start=NEVER),
+        "time for which it has had this intention, or of a reaction since its cause was perceived",
+    ]
     spent: Annotated[F32, behavior("n", unit="s"), "time of full burst not yet recovered"]
     startled: Annotated[F32, behavior("n", unit="s", start=NEVER), "time since its last C-start"]
     alert: Annotated[F32, behavior("n", unit="s"), "evidence of an attack: time at the threshold"]
+    threat_place: Annotated[
+        F32, behavior("n", 3, unit="cm"), "where it last perceived what it fears most"
+    ]
+    unseen: Annotated[F32, behavior("n", unit="s", start=NEVER), "time since it perceived that"]
+    habituation: Annotated[
+        F32, behavior("n", unit="s"), "harmless time near the submarine, less what it forgot"
+    ]
+    inspection: Annotated[
+        F32,
+        behavior("n", unit="s"),
+        "time for which it inspects a predator; negative: until it may again",
+    ]
     memory: Annotated[I8, behavior("n", start=-1, within=(-1, "b")), "interrupted (Tu §7.7.1)"]
     memory_target: Annotated[
         I32,
@@ -487,6 +503,8 @@ class Nature(NamedTuple):
     keen: float  # r: hunger or libido above this calls for eating or mating
     devotion_cm: float  # how much nearer another target must be to be preferred (Tu §7.7.3)
     fatigue_s: float  # time after which a desire has dropped to half (Tu §7.7.2)
+    fear_s: float  # time constant with which fear fades
+    habituation_s: float  # harmless time near the submarine that halves its D0
     timidity: float  # factor on the collision sensitivity region (Tu §6.6.1)
     submarine_cm: float  # D0 of the submarine for prey: the size of predator that it appears
     curiosity_cm: float  # distance from which the submarine attracts pacifists, 0 for never

@@ -6,6 +6,8 @@ import pytest
 from subsea.behavior import avoiding
 from subsea.state import (
     AVOID,
+    ESCAPE,
+    FEAR,
     LEFT,
     PACIFIST,
     PREDATOR,
@@ -117,6 +119,27 @@ def test_prey_in_panic_minds_its_predator_alone(tank):
     t.minds.threat[0], t.minds.barrier[0], t.minds.kind[:] = 1, -2, (PREY, PREDATOR)
     assert t.desire(avoiding.desire)[0] == 1
     t.minds.menace[0] = t.nature.panicked
+    assert t.desire(avoiding.desire)[0] == 0
+    t.minds.menace[0] = 0.0
+    t.minds.barrier[0], t.minds.mental[0, FEAR] = -1, 0.9 * t.nature.alarmed
+    assert t.desire(avoiding.desire)[0] == 1
+    t.minds.mental[0, FEAR] = 1.1 * t.nature.alarmed  # it flees the predator instead
+    assert t.desire(avoiding.desire)[0] == 0
+
+
+def test_prey_that_flees_avoids_no_other_fish(tank):
+    t = tank(2)
+    t.minds.threat[0], t.minds.kind[:], t.minds.intention[0] = 1, PREY, ESCAPE
+    for fear, yields in ((0.9, 1), (1.1, 0)):
+        t.minds.mental[0, FEAR] = fear * t.nature.alarmed
+        assert t.desire(avoiding.desire)[0] == yields
+
+
+def test_a_fish_that_inspects_makes_room_as_in_its_school(tank):
+    t = tank(2)
+    t.minds.threat[0], t.minds.leader[1], t.minds.intention[1] = 1, 0, SCHOOL
+    assert t.desire(avoiding.desire)[0] == 1
+    t.minds.inspection[0] = 1.0
     assert t.desire(avoiding.desire)[0] == 0
 
 

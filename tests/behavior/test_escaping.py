@@ -6,9 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.behavior.escaping import (
+    CAUTIOUS,
     CLOSE,
+    COMMITTED_S,
     DODGE_RAD,
+    EDGE_RAD,
     FLIGHT_S,
+    FROZEN,
     LATENCY_S,
     LOOMS_RAD_S,
     MOST_START,
@@ -24,12 +28,15 @@ from subsea.behavior.escaping import (
     turn_of,
 )
 from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.threat_memory import WARNED_S
 from subsea.state import (
+    ESCAPE,
     FEAR,
     NOBODY,
     PACIFIST,
     PREDATOR,
     PREY,
+    SCHOOL,
     SUBMARINE,
     Clock,
     Fishes,
@@ -71,12 +78,12 @@ DODGE = float(np.degrees(DODGE_RAD[0] + NEAR * (DODGE_RAD[1] - DODGE_RAD[0])))
 BACK = float(np.degrees(TURN_BACK_RAD))
 RULES = [
     # Far: in front, behind, to the left, to the right.
-    (10, 180, FAR, True, 1, -BACK),
-    (-10, 180, FAR, True, 1, BACK),
+    (10, 180, FAR, True, 1, -130),
+    (-10, 180, FAR, True, 1, 130),
     (170, 0, FAR, True, 2, 0),
     (-170, 90, FAR, True, 2, 0),
-    (100, 0, FAR, True, 3, -80),
-    (-60, 0, FAR, True, 4, 120),
+    (100, 0, FAR, True, 3, -40),
+    (-60, 0, FAR, True, 4, 80),
     # Close, in front: heading to my left or right, or else.
     (20, 80, NEAR, True, 5, -100),
     (20, -100, NEAR, True, 5, 80),
@@ -213,9 +220,81 @@ def test_an_attack_in_the_open_scatters_a_school(around):
         out = np.zeros(2, np.float32)
         desire(np.arange(2), fishes, minds, *around, CLOCK, out)
         assert bool(out[0] > 0.0) == wanted
-    minds.predator[0] = NOBODY  # out of sight: it has nobody to flee from
+    minds.predator[0] = NOBODY  # it has nobody to flee from
     desire(np.arange(2), fishes, minds, *around, CLOCK, out)
     assert out[0] == 0.0
+    minds.startled[0] = 0.5 * COMMITTED_S  # but sees through a flight that has begun
+    desire(np.arange(2), fishes, minds, *around, CLOCK, out)
+    assert out[0] == 1.0
+
+
+def test_panic_ends_later_than_it_began(around):
+    nature = around[1]
+    fishes, minds = _pair((250.0, 0.0, 0.0))
+    minds.schools[0], minds.leader[0], minds.leader_seen[0] = True, 1, 0.0
+    minds.mental[:, FEAR] = minds.menace[:] = 0.97 * nature.panicked
+    out = np.zeros(2, np.float32)
+    for intention, wanted in ((SCHOOL, False), (ESCAPE, True)):
+        minds.intention[0] = intention
+        desire(np.arange(2), fishes, minds, *around, CLOCK, out)
+        assert bool(out[0] > 0.0) == wanted
+
+
+def _remembering(place, fear=0.7):
+    """A fish at the origin that heads along x and last perceived a threat at `place`."""
+    fishes, minds = _pair((500.0, 0.0, 0.0))
+    minds.predator[0], minds.unseen[0], minds.startled[:] = NOBODY, 1.0, np.inf
+    minds.threat_place[0] = np.array(place) + (0.0, 0.0, -300.0)
+    minds.mental[0, FEAR], fishes.burst[:] = fear, 5.0
+    return fishes, minds
+
+
+@pytest.mark.parametrize("angle", [-170, -140, -60, 20, 90, 145, 179])
+def test_a_fish_turns_to_see_whether_a_remembered_threat_comes_after_it(around, angle):
+    bearing = np.radians(angle)
+    fishes, minds = _remembering((100 * np.cos(bearing), 100 * np.sin(bearing), 0.0))
+    out = np.zeros(2, np.float32)
+    desire(np.arange(2), fishes, minds, *around, CLOCK, out)
+    assert out[0] == pytest.approx(0.7)
+    act(ONE, fishes, minds, *around, CLOCK)
+    after = bearing - np.arctan2(minds.urge[0, 1], minds.urge[0, 0])
+    assert np.cos(after) == pytest.approx(np.cos(EDGE_RAD), abs=1e-4)
+    assert after * angle > 0 or abs(after) > np.pi  # it stays on the same side
+    assert CAUTIOUS < fishes.goal_speed[0] < 1.0
+
+
+def test_a_flight_goes_on_out_of_sight_and_slows_down_with_the_fear(around):
+    fishes, minds = _remembering((-50.0, 10.0, 0.0), 0.9)
+    minds.startled[0] = 0.5 * COMMITTED_S
+    act(ONE, fishes, minds, *around, CLOCK)
+    assert fishes.goal_speed[0] == pytest.approx(5.0)
+    speeds = []
+    for fear in (0.9, 0.7, 0.5):
+        minds.startled[0], minds.mental[0, FEAR] = 2.0 * COMMITTED_S, fear
+        act(ONE, fishes, minds, *around, CLOCK)
+        speeds.append(float(fishes.goal_speed[0]))
+    assert 1.0 > speeds[0] > speeds[1] > speeds[2] == pytest.approx(CAUTIOUS)
+
+
+def test_a_fish_without_a_school_freezes_in_cover(tank):
+    t = tank(1, rocks=[(30.0, 0.0, -300.0, 20.0, 20.0, 20.0, 0.0)])
+    t.minds.kind[0], t.minds.unseen[0], t.minds.startled[0] = PREY, 1.0, np.inf
+    t.minds.mental[0, FEAR], t.minds.threat_place[0] = 0.7, (-200.0, 0.0, -300.0)
+    for x, schools, frozen in ((0.0, False, True), (0.0, True, False), (-300.0, False, False)):
+        t.fishes.position[0, 0], t.minds.schools[0] = x, schools
+        t.run(act)
+        assert bool(t.fishes.goal_speed[0] == np.float32(FROZEN)) == frozen
+
+
+def test_starts_of_companions_are_followed_in_many_directions(around):
+    bends = []
+    for tick in range(40):
+        fishes, minds = _remembering((-50.0, 60.0, 0.0))
+        minds.alert[0] = WARNED_S
+        act(ONE, fishes, minds, *around, Clock(1, tick, 0.033))
+        assert minds.startled[0] == minds.alert[0] == 0.0
+        bends.append(float(fishes.startle[0]))
+    assert np.ptp(bends) > np.radians(60.0)
 
 
 def _attacked(distance, speed, heading=np.pi):

@@ -63,8 +63,8 @@ def test_the_hierarchy(mind, desires, wins):
 def test_of_equal_desires_the_one_that_is_followed_stays(mind):
     decide, _ = mind
     for code, other in ((EAT, MATE), (MATE, EAT)):
-        assert decide({code: 0.5}) == code
-        assert decide({code: 0.4, other: 0.4}) == code
+        assert decide({code: 0.5}, DWELL_S) == code
+        assert decide({code: 0.4, other: 0.4}, DWELL_S) == code
 
 
 def test_an_interrupted_intention_is_resumed_with_its_target(mind):
@@ -82,11 +82,11 @@ def test_a_resumed_intention_inhibits_its_rivals_by_a_fifth_of_itself(mind):
     decide, _ = mind
     decide({MATE: 0.5})
     # Before any interruption it has no such advantage.
-    assert decide({MATE: 0.5, EAT: 0.55}) == EAT
-    decide({MATE: 0.5})
+    assert decide({MATE: 0.5, EAT: 0.55}, DWELL_S) == EAT
+    decide({MATE: 0.5}, DWELL_S)
     decide({AVOID: 1.0, MATE: 0.5})
     assert decide({MATE: 0.5}, DWELL_S) == MATE
-    assert decide({MATE: 0.5, EAT: 0.59}) == MATE
+    assert decide({MATE: 0.5, EAT: 0.59}, DWELL_S) == MATE
     assert decide({MATE: 0.5, EAT: 0.62}) == EAT
 
 
@@ -104,7 +104,7 @@ def test_memory_is_short(mind):
     decide({MATE: 0.5})
     for _ in range(3):
         decide({ESCAPE: 0.9}, seconds=MEMORY_S)
-    assert decide({MATE: 0.4, EAT: 0.45}) == EAT
+    assert decide({MATE: 0.4, EAT: 0.45}, DWELL_S) == EAT
 
 
 def test_a_desire_tires_and_recovers(mind, tank):
@@ -115,7 +115,7 @@ def test_a_desire_tires_and_recovers(mind, tank):
     assert decide({EAT: 0.6, MATE: 0.4}, fatigue / 4) == EAT
     # Halved after `fatigue_s`.
     assert decide({EAT: 0.6, MATE: 0.4}, fatigue) == MATE
-    assert decide({EAT: 0.26, MATE: 0.0}) == WANDER
+    assert decide({EAT: 0.26, MATE: 0.0}, DWELL_S) == WANDER
     assert decide({EAT: 0.26}, 2 * fatigue) == EAT
     assert minds.fatigue[EAT, 0] == 0.0
 
@@ -135,5 +135,18 @@ def test_a_reaction_lasts_a_while_unless_a_more_urgent_one_interrupts(mind):
     assert decide({ESCAPE: 0.9}) == ESCAPE
     assert decide({}) == ESCAPE
     assert decide({AVOID: 1.0}) == AVOID
-    assert decide({ESCAPE: 0.9}, 0.5 * DWELL_S) == AVOID
-    assert decide({ESCAPE: 0.9}, 0.6 * DWELL_S) == ESCAPE
+    assert decide({ESCAPE: 0.9}) == ESCAPE  # its cause has gone: another one comes first
+    assert decide({}, 0.9 * DWELL_S) == ESCAPE
+    assert decide({ESCAPE: 0.9}) == ESCAPE  # its cause is there again
+    assert decide({}, 0.5 * DWELL_S) == ESCAPE
+    assert decide({EAT: 0.9}, 0.6 * DWELL_S) == EAT
+
+
+def test_an_intention_that_has_begun_is_seen_through(mind):
+    """Desires that change from one turn to the next do not make a fish dither."""
+    decide, _ = mind
+    assert decide({EAT: 0.5}) == EAT
+    for desires in ({MATE: 0.9}, {}, {(SCHOOL, 3): 0.02}, {MATE: 0.6}):
+        assert decide(desires, 0.2 * DWELL_S) == EAT
+    assert decide({MATE: 0.6}, 0.3 * DWELL_S) == MATE
+    assert decide({MATE: 0.6, (SCHOOL, 1): 0.6}) == SCHOOL  # but danger interrupts

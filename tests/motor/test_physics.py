@@ -17,13 +17,17 @@ LITTLE = "water.plankton=300", "seaweed=[]"  # fewer drifting specks, no seaweed
 
 
 def bay(**options):
-    """Eight fusiliers near the submarine, four simulated, and little else, to save time."""
+    """Eight fusiliers near the submarine, four simulated, and little else, to save time.
+
+    They do not fear the submarine, or a flight would take them away from it.
+    """
     scenario = load_scenario("peaceful", LITTLE).scenario
     shoal = Shoal(
         species="fusilier", number=8, position_cm=scenario.submarine.position_cm, spread_cm=150.0,
         hunger=0.0, libido=0.0,
     )  # fmt: skip
-    changed = {"fish": [shoal], "tour": [], "simulated": 4, **options}
+    nature = msgspec.structs.replace(scenario.nature, submarine_cm=0.0)
+    changed = {"fish": [shoal], "tour": [], "simulated": 4, "nature": nature, **options}
     return create_world(msgspec.structs.replace(scenario, **changed))
 
 

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.habitat.day import in_daylight
 from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
+from subsea.perception.predators import FELT_BL
 from subsea.perception.senses import fish_due, sense
 from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
 from subsea.state import (
@@ -223,7 +224,11 @@ def test_fear_is_of_visible_predators(tank, seed, company):
             assert t.minds.predator[i] == NOBODY
             assert t.minds.menaces[i] == t.minds.menace[i] == 0.0
             continue
-        fears = [(200.0 / np.linalg.norm(gap), j) for j, gap, seen in _all(t, i, PREDATOR) if seen]
+        fears = [
+            (200.0 / np.linalg.norm(gap), j)
+            for j, gap, seen in _all(t, i, PREDATOR)
+            if seen or np.linalg.norm(gap) < FELT_BL * t.fishes.length[j]
+        ]
         hull = tuple(t.sea.submarine[:3])
         if sees_point(bodies, i, scene, hull, sight(SUBMARINE_CM, t.nature)):
             away = np.linalg.norm(np.subtract(hull, eye_of(bodies, i)))

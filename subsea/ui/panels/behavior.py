@@ -44,6 +44,8 @@ NATURE = (
     Slider("keen", "eats and mates for", 0.0, 1.0, "%.2f"),
     Slider("devotion_cm", "leaves a target for a nearer one, cm", 0.0, 500.0, "%.0f"),
     Slider("fatigue_s", "is tired of it after, s", 1.0, 600.0, "%.0f", LOGARITHMIC),
+    Slider("fear_s", "loses most of its fear within, s", 1.0, 120.0, "%.0f", LOGARITHMIC),
+    Slider("habituation_s", "half used to the submarine after, s", 5.0, 600.0, "%.0f", LOGARITHMIC),
     Slider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
     Slider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
     Slider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),

@@ -1,0 +1,146 @@
+"""Remember threats: fear fades within seconds, alarm spreads by sight, a harmless hull is let near.
+
+A fish remembers where it last perceived what it fears. Its fear fades with the time constant
+`fear_s`, whether the threat is in its blind angle, behind a rock or far away. Prey of reefs return
+to what they did 5 to 30 s after a predator has gone.
+
+Companions that start show a fish an attack that it does not see: a wave of alarm runs through a
+school faster than the predator (Radakov, Schooling in the Ecology of Fish, 1973). A fish starts if
+the share of its companions that do is large enough (Rosenthal et al., PNAS 112:4690, 2015).
+
+Prey grow used to a submarine that does nothing (habituation), and forget this within minutes.
+"""
+
+import math
+
+import numpy as np
+
+from subsea.geometry.vector import Vector, dot, minus, norm, store, vector
+from subsea.kernels import kernel
+from subsea.perception.predators import fearfulness
+from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
+
+ALARMING = 1.25  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
+RECOGNISED = 0.5  # fear of what is in sight, over the fear remembered, to be its cause
+KNOWN = 3.0  # time constants for which a fish knows where the threat was
+ATTENDED = 4  # nearest companions at which a fish looks for alarm
+# Companions that started within the time since the last look and STARTED_S alarm a fish if they
+# are at least the share CALM_SHARE of those, or AFRAID_SHARE for one in full fear.
+STARTED_S, CALM_SHARE, AFRAID_SHARE = 0.1, 0.7, 0.2
+LEAST_CALM_S = 1.5  # time since its own start until those of companions alarm a fish
+# Evidence of an attack, s at the threshold of looming: companions that start are more than enough.
+WARNED_S, UNSURE_S = 1.0, 0.09
+ALARM = 0.75  # fear of a fish that sees companions start
+RUSH_CM_S = 70.0  # speed of approach of the submarine from which it is feared again ...
+RENEWED_S = 1.0  # ... within this time constant
+FORGOTTEN_S = 240.0  # time constant of the habituation's loss
+NEAR = 0.5  # fear of a new submarine, over f0, within which a fish grows used to it
+MOST = 4.0  # largest habituation, in times `habituation_s`
+
+
+@kernel
+def felt_fear(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> float:
+    """Compute the fear of prey i: of what it perceives, or what is left of its last fear.
+
+    Update the place of the threat, and the time since it was perceived.
+    """
+    faded = float(minds.mental[i, FEAR])
+    if faded > 0.0:
+        faded *= math.exp(-float(minds.pause[i]) / nature.fear_s)
+    present = float(minds.menaces[i])
+    j = minds.predator[i]
+    if j != NOBODY and present > 0.0 and present >= RECOGNISED * faded:
+        minds.unseen[i] = 0.0
+        store(minds.threat_place[i], place_of(fishes, sea, j))
+    else:
+        minds.unseen[i] += minds.pause[i]
+    if present > nature.alarmed:
+        present = max(present, ALARMING * nature.alarmed)
+    return max(present, faded, _alarm(fishes, minds, i, sea))
+
+
+@kernel
+def _alarm(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
+    """Fear by the sight of companions that start, or 0; fish i is then ready to start, too.
+
+    It learns from them where the threat is.
+    """
+    minds.alert[i] = min(minds.alert[i], np.float32(UNSURE_S))
+    before = np.float32(STARTED_S) + minds.pause[i]
+    count, started, first = 0, 0, NOBODY
+    for j in minds.neighbour[i, :ATTENDED]:
+        if j < 0:
+            break
+        count += 1
+        if minds.startled[j] < before:
+            started += 1
+            first = j if first == NOBODY else first
+    needed = CALM_SHARE + (AFRAID_SHARE - CALM_SHARE) * float(minds.mental[i, FEAR])
+    if started == 0 or started < needed * count or minds.startled[i] < LEAST_CALM_S:
+        return 0.0
+    minds.alert[i] = WARNED_S
+    if minds.unseen[i] > 0.0:
+        j = minds.predator[first]
+        place = vector(fishes.position[first]) if j == NOBODY else place_of(fishes, sea, j)
+        store(minds.threat_place[i], place)
+        minds.unseen[i] = minds.pause[i]
+    return ALARM
+
+
+@kernel
+def is_warned(minds: Minds, i: int) -> bool:
+    """True if companions of fish i have just started."""
+    return minds.alert[i] >= WARNED_S
+
+
+@kernel
+def place_of(fishes: Fishes, sea: Sea, j: int) -> Vector:
+    """The place of predator j or of the submarine, cm."""
+    return vector(sea.submarine[:3]) if j == SUBMARINE else vector(fishes.position[j])
+
+
+@kernel
+def knows_threat(minds: Minds, i: int, nature: Nature) -> bool:
+    """True if fish i perceives a predator, or remembers where one was."""
+    return minds.predator[i] != NOBODY or minds.unseen[i] < KNOWN * nature.fear_s
+
+
+@kernel
+def flees_from_memory(minds: Minds, i: int) -> bool:
+    """True if the fear of fish i is of a threat that it does not perceive now."""
+    if minds.predator[i] == NOBODY:
+        return True
+    return minds.unseen[i] > 0.0 and minds.menaces[i] < RECOGNISED * minds.mental[i, FEAR]
+
+
+@kernel
+def grow_used(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> None:
+    """Update the habituation of fish i to the submarine.
+
+    It grows with time near a hull in sight, and is lost at once to one that rushes at the fish.
+    """
+    if minds.predator[i] == NOBODY and minds.habituation[i] == 0.0:
+        return
+    pause = float(minds.pause[i])
+    toward = minus(vector(fishes.position[i]), vector(sea.submarine[:3]))
+    distance = norm(toward)
+    near = fearfulness(nature.submarine_cm, distance) > NEAR * nature.alarmed
+    seen = False
+    for j in minds.predators[i]:
+        seen = seen or j == SUBMARINE
+    used = float(minds.habituation[i])
+    if not near or not seen:
+        minds.habituation[i] = used * math.exp(-pause / FORGOTTEN_S)
+    elif dot(vector(sea.submarine[3:6]), toward) > RUSH_CM_S * distance:
+        minds.habituation[i] = used * math.exp(-pause / RENEWED_S)
+    else:
+        minds.habituation[i] = min(used + pause, MOST * nature.habituation_s)
+
+
+@kernel
+def wariness(minds: Minds, i: int, nature: Nature) -> float:
+    """How wary prey i is: 0 up to half of f0, 1 from f0 on."""
+    if minds.kind[i] != PREY:
+        return 0.0
+    share = 2.0 * float(minds.mental[i, FEAR]) / max(nature.alarmed, 1e-6) - 1.0
+    return min(max(share, 0.0), 1.0)
