@@ -33,7 +33,9 @@ def fingerprint(species: Species, root: str = ROOT) -> str:
     The code is that of the module ``root`` and of all that this uses.
     """
     plans = msgspec.to_builtins(species)
-    for key in ("name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "skin"):
+    for key in (
+        "name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "scavenges", "skin"
+    ):  # fmt: skip
         del plans[key]
     libraries = {"numpy": np.__version__, "numba": numba.__version__}
     known = {"plans": plans, "versions": libraries, "code": _code_hash(root)}

@@ -14,7 +14,10 @@ from subsea.state import (
     PREDATOR,
     PREY,
     RIGHT,
+    RUSHING,
     SCHOOL,
+    SEABED,
+    SURFACE,
     Clock,
     Fishes,
     Minds,
@@ -26,6 +29,7 @@ ASIDE = 1.5  # weight of turning away against keeping the course
 MAKING_ROOM = 0.6  # this weight in a school, so that the fish stays with it
 SLOWED = 0.35  # share of the fastest speed while a fish ahead passes
 CAREFUL = 0.6  # largest share while it rounds an obstacle
+SMALL = 0.5  # length of a fish, over its own, to which a hunter does not yield in a rush
 PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 
 
@@ -35,16 +39,22 @@ def desire(
 ) -> None:
     """1 where perception found a danger of collision, else 0.
 
-    Hunters do not yield to prey, and prey in panic minds its predator alone: `keep_clear` leads
-    both past what they meet. Fishes of a school make room for each other by schooling.
+    Hunters do not yield to prey, nor in a rush to anything small. Prey in panic minds its predator
+    alone: `keep_clear` leads both past what they meet. Fishes of a school make room for each other
+    by schooling.
     """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
+        if yields and minds.hunt[i] == RUSHING and fishes.length[j] < SMALL * fishes.length[i]:
+            yields = False
         if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
+        bars = minds.barrier[i] != -1
+        if minds.hunt[i] == RUSHING and minds.barrier[i] in (SEABED, SURFACE):
+            bars = False  # it slides along
         panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
-        out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
+        out[i] = 1.0 if (yields or bars) and not panics else 0.0
 
 
 @kernel

@@ -169,6 +169,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     )
     least_speed: Share = 0.0  # of a ram ventilator, share of the fast swim's
     home_cm: Annotated[float, msgspec.Meta(ge=1, le=1e4)] | None = None  # farthest from its home
+    scavenges: bool = False  # follows the odour of bait and blood; predators always do
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None

@@ -28,6 +28,7 @@ from subsea.state import (
     NOBODY,
     PREDATOR,
     RIGHT,
+    RUSHING,
     SUBMARINE,
     Clock,
     Fishes,
@@ -83,7 +84,10 @@ def set_targets(
             minds.target[i] = minds.predator[i]
         elif intention == EAT and minds.kind[i] == PREDATOR:
             best = minds.foods[i, 0]
-            if now >= 0 and best >= 0 and fishes.alive[now]:
+            mine = now >= 0 and fishes.alive[now] and now != minds.conceded[i]
+            if mine and minds.hunt[i] == RUSHING:
+                best = now  # it is committed
+            elif mine and best >= 0:
                 toward = minus(vector(fishes.position[now]), eye)
                 if perceives(fishes, i, now, sea, nature, norm(toward)):
                     schools = is_in_school(fishes, minds, now)

@@ -70,7 +70,7 @@ def perceive_prey(
                 distance = norm(toward)
                 if not inner < distance <= outer or distance > cost[-1]:
                     continue
-                if not is_quarry(minds, fishes.species, i, j):
+                if j == minds.conceded[i] or not is_quarry(minds, fishes.species, i, j):
                     continue
                 if not perceives(fishes, i, j, sea, nature, distance):
                     continue

@@ -13,7 +13,7 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share, side_by_side
-from subsea.perception import collision, foraging, leader_tracking, mates, predators
+from subsea.perception import collision, foraging, leader_tracking, mates, predators, rivals
 from subsea.perception.collision import Crowd
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
 from subsea.perception.leader_tracking import Schools
@@ -92,6 +92,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     leader_tracking.watch_schools(who, minds, survey.schools, clock)
     # Foraging needs the companions of prey.
     if len(hunting):
+        rivals.perceive_rivals(hunting, fishes, minds, survey.around.hunters)
         groups = fishes, minds, sea, survey.prey, nature
         share(foraging.perceive_prey, hunting, LEAST_HUNTERS, *groups)
 

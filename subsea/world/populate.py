@@ -15,7 +15,7 @@ from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
-from subsea.state import KINDS, TRAITS, Fishes, Minds, Reef, Sea
+from subsea.state import KINDS, PREDATOR, TRAITS, Fishes, Minds, Reef, Sea
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
@@ -23,6 +23,7 @@ FLAT_BL = 0.4  # bodies at least this tall, over their length, row with their pe
 HOME_CM = 400.0  # distance within which a fish finds a home
 ABOVE_HOME_CM = 15.0  # height of the home over the growth
 LET_OUT = 40  # steps out of a solid, a quarter of the body each, for a fish that begins in one
+FIRST_LULL_S = 2.0, 8.0  # until predators hunt
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 
@@ -67,6 +68,10 @@ def populate(world: World, rng: np.random.Generator) -> None:
             minds.leader[first + 1 : first + number] = first
             minds.leads[first : first + 1] = number > 1
         minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
+        hunts = minds.kind[these] == PREDATOR
+        low, high = FIRST_LULL_S
+        minds.lull[these] = hunts * (low + (high - low) * fishes.identity[these])
+        minds.scavenges[these] = species[shoal.species].scavenges | hunts
         set_temperament(shoal, fishes, minds, these, rng)
         minds.waypoint[these] = fishes.position[these]
         if shoal.toward_cm:

@@ -30,7 +30,8 @@ from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
 from subsea.habitat import plankton
 from subsea.habitat.contact import keep_in_free_water, separate
-from subsea.habitat.current import add_bow_wave, flow_at, set_drift, shear_at
+from subsea.habitat.current import add_bow_wave, set_drift, shear_at
+from subsea.habitat.odour import STEP_TICKS, carry_odours, release_bait, release_catches
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
@@ -43,6 +44,7 @@ from subsea.motor.playback import play
 from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
+from subsea.perception.smell import smell
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
@@ -131,7 +133,7 @@ def cue_direction(world: World, k: int) -> None:
 def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     """Move the current, plankton, seaweed and the hook, and apply the forces on fishes."""
     state, sea, fishes = world.state, world.state.sea, world.state.fishes
-    flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
+    flow = world.flow()
     sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
     sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
     visibility, cells = world.scenario.water.visibility_cm, world.rock_cells
@@ -144,6 +146,9 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     ]
     run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
     move_hook(sea, clock)
+    if clock.tick % STEP_TICKS == 0:
+        carry_odours(state.odour, sea.radius, flow, STEP_TICKS * clock.dt)
+        release_bait(state.odour, sea, STEP_TICKS * clock.dt)
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:
@@ -158,6 +163,8 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
         feeding = order.fish[order.feeds]
         who = np.union1d(who, feeding[fishes.alive[feeding]])
     sense(who, fishes, minds, sea, world.nature, clock)
+    if world.state.odour.total.any() or minds.scent[who].any():
+        share(smell, who, LEAST_MINDS, fishes, minds, world.state.odour)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
     return who
@@ -172,6 +179,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     schooling.guide_schools(fishes, minds, sea, clock)
     end_courtships(who, fishes, minds)
 
+    hunting.advance_hunts(who, fishes, minds, clock)
     share(update_mental_state, who, LEAST_MINDS, fishes, minds, nature, clock)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
@@ -190,7 +198,9 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
 
     share(ease, everyone, LEAST_PART, fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
+    living = fishes.alive.copy()
     hunting.inhale(fishes, minds, sea, clock)
+    release_catches(world.state.odour, fishes.position[living & ~fishes.alive])
     biting.bite(fishes, minds, sea, clock)
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, clock)
 
@@ -213,8 +223,7 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
 def simulate(world: World, clock: Clock) -> None:
     """Move the fishes that are simulated, in the water around them, and report what explodes."""
     state, fishes = world.state, world.state.fishes
-    flow = flow_at(world.flowing_cm_s, clock.tick * TICK_S)
-    shear = shear_at(state.live.fish, fishes, state.sea, world.rock_cells, flow)
+    shear = shear_at(state.live.fish, fishes, state.sea, world.rock_cells, world.flow())
     around = LiveWater(state.submarine.position, state.sea, shear)
     burst = swim(
         fishes, world.library, world.dynamics, state.live, around, clock, world.physics
