@@ -11,18 +11,20 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import burst, chase, mouth_of, set_urge
 from subsea.behavior.death import remove
+from subsea.behavior.manoeuvring import turn_to
 from subsea.behavior.patrolling import give_way, is_blocked
 from subsea.behavior.wandering import wander
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import height_at
-from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import (
     CHEWING,
     EAT,
     ESCAPE,
     HUNGER,
+    NOBODY,
     PATROLLING,
     PREDATOR,
     PREY,
@@ -49,14 +51,16 @@ PATIENT_S = 2.0  # after which it rushes from any side
 LOW, REAR_COS = 0.12, -0.5  # slope up to the prey, or cosine of its bearing, of a good place
 
 RUSH_BL = 1.6  # distance within which it rushes from there ...
-CHASE_BL = 2.0  # ... or at prey that flees ...
+CHASE_BL = 1.8  # ... or at prey that flees ...
 AIM_RAD = np.radians(25.0)  # ... if it heads for it ...
 STEEPEST = 0.5  # ... and no steeper up or down, as it could not follow
 READY_S = 1.5  # spent part of a burst below which it rushes
-RUSH_S = 1.6  # longest rush
-TURNING_RAD, TURNING = np.radians(30.0), 0.8  # angle beyond which it slows down, and its speed
-MISSED_RAD = np.radians(100.0)  # angle to the prey beyond which a rush has missed
-SNAP_BL = 0.5  # distance at which it snaps its head round to the prey
+RUSH_S = 1.8  # longest rush
+MISSED_RAD = np.radians(75.0)  # angle to the prey beyond which a rush has missed
+SNAP_BL = 0.9  # distance within which it snaps its head round to the prey ...
+SNAP_RAD = np.radians(25.0), np.radians(65.0)  # ... that is so far aside ...
+SNAPPED_S = 2.0  # ... once in a rush
+LEAD = 0.7  # share of its burst's speed by which it foresees where they meet
 
 RECOVER_S = 4.5  # circling out after a miss
 LULL_S = np.array([[4.0, 10.0], [12.0, 22.0]])  # until the next stalk: after a miss, after a meal
@@ -108,7 +112,8 @@ def break_off(minds: Minds, i: int, clock: Clock) -> None:
     """End a rush of fish i that missed: circle out, and rest the less the oftener it missed."""
     begin(minds, i, RECOVERING)
     minds.misses[i] += 1.0
-    minds.lull[i] = RECOVER_S + _lull(minds, i, 0, clock) / float(minds.misses[i])
+    minds.lull[i] = RECOVER_S + _lull(minds, i, 0, clock) / (0.5 + 0.5 * float(minds.misses[i]))
+    minds.missed[i] = minds.target[i]
     minds.target[i] = -1
 
 
@@ -196,18 +201,26 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
 
 @kernel
 def _rush(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> None:
-    """Burst at the prey, or at another that attention passes to; snap at it, or break off."""
+    """Burst at the prey, or at another that attention passes to; snap at it, or break off.
+
+    The snap is a C-start to its side, whose first stage bends the body within 0.1 s.
+    """
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
     j, sure = attended(fishes, minds, i, j, companions(fishes, minds, j), clock)
     minds.target[i] = j
-    gap = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
-    burst(fishes, minds, i)
     toward = minus(vector(fishes.position[j]), mouth_of(fishes, i))
+    gap = norm(toward)
+    speed = max(LEAD * fishes.burst[i] * fishes.fast[i], 1.0)
+    drift = minus(vector(fishes.velocity[j]), vector(fishes.drift[i]))
+    way = unit(plus(toward, times(gap / speed, drift)))
+    set_urge(minds, i, way)
+    store(fishes.goal_direction[i], way)  # at once: its aim does not lag
+    burst(fishes, minds, i)
     ahead = dot(toward, x_axis(fishes.orientation[i]))
-    if ahead < np.cos(TURNING_RAD) * gap:
-        fishes.goal_speed[i] = TURNING
-    if gap < SNAP_BL * length and gap > 1e-6:
-        store(fishes.goal_direction[i], times(1.0 / gap, toward))
+    aside = turn_to(fishes, i, toward)
+    low, high = SNAP_RAD
+    if gap < SNAP_BL * length and low < abs(aside) < high and minds.startled[i] > SNAPPED_S:
+        fishes.startle[i], minds.startled[i] = aside, 0.0
     fishes.gape[i] = 1.0 if gap < OPEN_BL * length and sure else 0.0
     missed = ahead < np.cos(MISSED_RAD) * gap and gap > OPEN_BL * length
     if missed or is_blocked(fishes, minds, i):
@@ -338,7 +351,7 @@ def _swallow(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> None
     minds.last_meal[i] = clock.tick * clock.dt
     minds.fatigue[EAT, i] = 0.0
     minds.target[i] = -1
-    minds.misses[i] = 0.0
+    minds.misses[i], minds.missed[i] = 0.0, NOBODY
     begin(minds, i, CHEWING)
     minds.lull[i] = CHEW_S + _lull(minds, i, 1, clock)
     fishes.gape[i] = 0.0

@@ -9,7 +9,7 @@ from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
-from subsea.perception.foraging import cost_of, is_in_school, perceives
+from subsea.perception.foraging import perceives, price_of
 from subsea.perception.vision import ahead_of, along_body, eye_of, sees_fish
 from subsea.state import (
     ASCEND,
@@ -90,11 +90,8 @@ def set_targets(
             elif mine and best >= 0:
                 toward = minus(vector(fishes.position[now]), eye)
                 if perceives(fishes, i, now, sea, nature, norm(toward)):
-                    schools = is_in_school(fishes, minds, now)
-                    present = cost_of(toward, norm(toward), ahead, schools)
-                    toward = minus(vector(fishes.position[best]), eye)
-                    schools = is_in_school(fishes, minds, best)
-                    other = cost_of(toward, norm(toward), ahead, schools)
+                    present = price_of(fishes, minds, i, now, eye, ahead)
+                    other = price_of(fishes, minds, i, np.int64(best), eye, ahead)
                     best = now if present - other <= nature.devotion_cm else best
             minds.target[i] = best
         elif intention == EAT:

@@ -13,6 +13,7 @@ from subsea.behavior.hunting import (
     CHASE_BL,
     CHEW_S,
     FITS,
+    LEAD,
     LULL_S,
     MOUTH_BL,
     OPEN_BL,
@@ -26,7 +27,6 @@ from subsea.behavior.hunting import (
     STALK_S,
     SUCK_BL,
     SUCK_BL_S,
-    TURNING,
     advance_hunts,
     attended,
     companions,
@@ -174,7 +174,7 @@ def test_a_rush_is_one_burst_of_under_two_seconds(around):
 
 def test_a_rush_past_the_prey_has_missed(around):
     for place, speed, phase in (
-        ((60, 60, 0), TURNING, RUSHING), ((-60, 20, 0), TURNING, RECOVERING)
+        ((60, 60, 0), 3.0, RUSHING), ((-60, 20, 0), 3.0, RECOVERING)
     ):  # fmt: skip
         fishes, minds = _hunter(place)
         fishes.burst[:] = 3.0
@@ -184,15 +184,29 @@ def test_a_rush_past_the_prey_has_missed(around):
         assert fishes.goal_speed[0] == pytest.approx(speed)
 
 
-def test_the_head_snaps_round_to_the_prey_and_gapes(around):
-    for gap, turned, gape in ((1.2 * SNAP_BL, False, 0), (0.9 * OPEN_BL, True, 1)):
+def test_the_head_snaps_round_to_the_prey_once_and_gapes(around):
+    for gap, snaps, gape in ((1.2 * SNAP_BL, False, 0), (0.9 * OPEN_BL, True, 1)):
         side = np.array([0.8, 0.6, 0.0])
         fishes, minds = _hunter(gap * LENGTH * side)
         minds.hunt[0] = RUSHING
-        fishes.goal_direction[0] = 1.0, 0.0, 0.0
         _act(fishes, minds, around)
-        assert fishes.goal_direction[0] == pytest.approx(side if turned else [1, 0, 0], abs=1e-5)
+        assert fishes.goal_direction[0] == pytest.approx(side, abs=1e-5)
+        assert fishes.startle[0] == pytest.approx(np.arctan2(0.6, 0.8) if snaps else 0.0)
         assert fishes.gape[0] == gape
+        fishes.startle[0] = 0.0
+        _act(fishes, minds, around)
+        assert fishes.startle[0] == 0.0
+
+
+def test_it_heads_off_a_prey_that_crosses_its_way(around):
+    fishes, minds = _hunter((120.0, 0.0, 0.0))
+    fishes.fast[0], fishes.burst[0] = 60.0, 3.0
+    fishes.velocity[1] = 0.0, 25.0, 0.0
+    minds.hunt[0] = RUSHING
+    _act(fishes, minds, around)
+    meeting = 120.0 / (LEAD * 180.0)
+    ahead = np.array([120.0, 25.0 * meeting, 0.0])
+    assert minds.urge[0] == pytest.approx(ahead / np.linalg.norm(ahead), abs=1e-5)
 
 
 def advance(minds, fishes, seconds):
@@ -249,7 +263,7 @@ def test_a_sated_hunter_rests_longer_and_one_that_missed_often_less(around):
         return float(minds.lull[0]) - RECOVER_S
 
     assert lull(0.5, 0) == pytest.approx(3.5 * lull(1.0, 0), rel=1e-3)
-    assert lull(1.0, 3) == pytest.approx(lull(1.0, 0) / 4.0, rel=1e-3)
+    assert lull(1.0, 3) == pytest.approx(lull(1.0, 0) / 2.5, rel=1e-3)
 
 
 def test_two_hunters_of_one_prey_part(around):
