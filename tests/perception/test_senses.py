@@ -167,8 +167,8 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
             d = np.linalg.norm(gap)
             turn = np.arccos(np.clip(gap @ x / d, -1, 1))
             way = max(d, abs(gap[2]) / STEEPEST)
-                cost = way * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
-                cost *= MISSED_COST if t.minds.missed[i] == j else 1.0
+            cost = way * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
+            cost *= MISSED_COST if t.minds.missed[i] == j else 1.0
             if seen or d <= t.nature.smell_cm:
                 able.append((cost, d, j))
         best = [j for _, _, j in sorted(able)[:3]]
