@@ -24,7 +24,17 @@ from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
-from subsea.state import COURTSHIP, KINDS, MENTAL_STATES, Fishes, Minds, Sea, Submarine
+from subsea.state import (
+    COURTSHIP,
+    HUNT,
+    KINDS,
+    MENTAL_STATES,
+    ODOURS,
+    Fishes,
+    Minds,
+    Sea,
+    Submarine,
+)
 from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.follow import follow_fish
@@ -166,6 +176,8 @@ class World:
             "minds.mental": tuple(MENTAL_STATES),
             "minds.kind": tuple(KINDS),
             "minds.courtship": tuple(COURTSHIP),
+            "minds.hunt": tuple(HUNT),
+            "minds.scent": tuple(ODOURS),
         }
 
     def step(self, n: int = 1, order: Order = NEUTRAL) -> None:

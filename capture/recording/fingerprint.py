@@ -25,7 +25,7 @@ SKIPPED = (
 """Input, output and species files: their result is part of the fingerprint as numbers."""
 UNRECORDED = (
     "name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "cruise_height",
-    "character", "life", "skin",
+    "character", "life", "scavenges", "skin",
 )  # fmt: skip
 """Keys of a species that recorded motion does not depend on."""
 BLOCKS = {tokenize.INDENT: "{", tokenize.DEDENT: "}"}

@@ -20,6 +20,7 @@ from subsea.state import (
     PREDATOR,
     PREY,
     RIGHT,
+    RUSHING,
     SCHOOL,
     SEABED,
     SURFACE,
@@ -38,7 +39,8 @@ CAREFUL = 0.6  # largest share while it rounds an obstacle
 PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 AROUND = 0.4  # weight of turning aside from an obstacle against keeping the course
 INWARD = 0.8  # likewise from the wall of the sea
-SMALL = 0.2  # a fish yields to none below this share of its length: the small one yields
+SMALL = 0.2  # a fish yields to none below this share of its length: the small one yields ...
+BRUSHED = 0.5  # ... and a hunter in a rush to none below this share
 LEVEL_OFF = 0.15  # slope of the way off the seabed and the surface
 HEAD_ON = 0.05  # sine of the angle to an obstacle's normal below which both sides are equal
 SIDE_PURPOSE = np.int64(150)  # key of the random numbers
@@ -51,21 +53,26 @@ def desire(
 ) -> None:
     """1 where perception found a danger of collision, else 0.
 
-    Hunters do not yield to prey, nor large fishes to much smaller ones, and prey in panic minds its
-    predator alone: `keep_clear` leads them past what they meet. Prey that fears a predator flees it
-    instead. Fishes of a school make room for each other by schooling.
+    Hunters do not yield to prey, nor large fishes to much smaller ones, and in a rush they let
+    seabed and surface pass. Prey in panic minds its predator alone: `keep_clear` leads them past
+    what they meet. Prey that fears a predator flees it instead. Fishes of a school make room for
+    each other by schooling.
     """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
-        yields = yields and fishes.length[j] > SMALL * fishes.length[i]
+        small = BRUSHED if minds.hunt[i] == RUSHING else SMALL
+        yields = yields and fishes.length[j] > small * fishes.length[i]
         if yields and minds.kind[i] == PREY and minds.kind[j] == PREDATOR:
             yields = minds.mental[i, FEAR] <= nature.alarmed
         if yields and keeps_company(minds, i) and keeps_company(minds, j):
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
+        bars = minds.barrier[i] != -1
+        if minds.hunt[i] == RUSHING and minds.barrier[i] in (SEABED, SURFACE):
+            bars = False  # it slides along
         flees = minds.intention[i] == ESCAPE and minds.mental[i, FEAR] > nature.alarmed
         panics = minds.kind[i] == PREY and (flees or minds.menace[i] >= nature.panicked)
-        out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
+        out[i] = 1.0 if (yields or bars) and not panics else 0.0
 
 
 @kernel

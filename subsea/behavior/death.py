@@ -27,6 +27,8 @@ def forget(minds: Minds, dead: int) -> None:
         if minds.predator[i] == dead:
             minds.predator[i] = NOBODY
             minds.menace[i] = 0.0
+        if minds.missed[i] == dead:
+            minds.missed[i] = NOBODY
         if minds.threat[i] == dead:
             minds.threat[i] = NOBODY
         if minds.mate[i] == dead:

@@ -1,58 +1,152 @@
-"""Hunting: chase prey, open the mouth and suck it in (Tu §7.8.2, §7.9.1)."""
+"""Hunting: stalk prey, rush at it, open the mouth and suck it in (Tu §7.8.2, §7.9.1).
+
+A hunt has phases (`state.HUNT`). On patrol a predator swims calmly until it is hungry and its lull
+is over. It stalks a prey low, from below or behind, and rushes once it is near: a burst of under
+two seconds at one prey, with a snap of the head. After a catch it chews. After a miss it breaks
+off, circles out and rests (Hobson, *Feeding behavior in three species of sharks*, 1963).
+"""
 
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.chasing import burst, chase, mouth_of
+from subsea.behavior.chasing import burst, chase, mouth_of, set_urge
 from subsea.behavior.death import remove
+from subsea.behavior.manoeuvring import turn_to
+from subsea.behavior.patrolling import give_way, is_blocked
 from subsea.behavior.wandering import wander
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
+from subsea.geometry.solids import height_at
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
-from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import (
+    CHEWING,
+    EAT,
+    ESCAPE,
+    HUNGER,
+    NOBODY,
+    PATROLLING,
+    PREDATOR,
+    PREY,
+    RECOVERING,
+    RUSHING,
+    STALKING,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
 
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
 EAGER = 1.5  # least desire of a hunter over `keen`, so that it does not waver
+
 STALK = 0.7  # share of the fastest speed while it approaches
-BURST_BL = 2.5  # distance within which it bursts forward ...
-AIM_RAD = np.radians(30.0)  # ... if it heads for the prey, ...
-BRAKED = 0.12  # ... else it slows down to turn on the spot
-READY_S = 1.5  # spent part of a burst below which it begins to burst
-STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
+AMBUSH_BL = 0.9, 0.5  # place to which it stalks: behind the prey and below it
+BEHIND = 0.8  # weight of the prey's tail against the nearer side in the choice of that place
+GENTLE = 1.8  # distance of that place over its depth or height, as hunters climb slowly
+BOTTOM_BL = 0.3  # least height of that place over the seabed
+STALK_S = 14.0  # longest stalk
+PATIENT_S = 2.0  # after which it rushes from any side
+LOW, REAR_COS = 0.12, -0.5  # slope up to the prey, or cosine of its bearing, of a good place
+
+RUSH_BL = 1.6  # distance within which it rushes from there ...
+CHASE_BL = 1.8  # ... or at prey that flees ...
+AIM_RAD = np.radians(25.0)  # ... if it heads for it ...
+STEEPEST = 0.5  # ... and no steeper up or down, as it could not follow
+READY_S = 1.5  # spent part of a burst below which it rushes
+RUSH_S = 1.8  # longest rush
+MISSED_RAD = np.radians(75.0)  # angle to the prey beyond which a rush has missed
+SNAP_BL = 0.9  # distance within which it snaps its head round to the prey ...
+SNAP_RAD = np.radians(25.0), np.radians(65.0)  # ... that is so far aside ...
+SNAPPED_S = 2.0  # ... once in a rush
+LEAD = 0.7  # share of its burst's speed by which it foresees where they meet
+
+RECOVER_S = 4.5  # circling out after a miss
+LULL_S = np.array([[4.0, 10.0], [12.0, 22.0]])  # until the next stalk: after a miss, after a meal
+CALM = 5.0  # by how much longer a lull is without hunger
+LULL_PURPOSE = np.int64(83)  # key of the random numbers
+
 ATTENTION_TICKS = 20  # until its attention may pass to another fish of a crowd, 0.67 s
 CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
 ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
-RESTED_S = 25.0  # fatigue below which a hunter that gave up hunts again
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
 
 FITS = 0.45  # longest prey that it can swallow, over its own length
-OPEN_BL = 0.25  # distance to the prey below which a hunter opens its mouth
+OPEN_BL = 0.35  # distance to the prey below which a hunter opens its mouth
 OPEN = 0.5  # gape above which a mouth draws water in
 SUCK_BL = 0.3  # reach of the suction ...
 SUCK_BL_S = 2.0  # ... and its speed at the mouth
 # Prey is in the mouth when its middle is within these shares of the hunter's and its own length.
-MOUTH_BL, MIDDLE = 0.05, 0.2
+MOUTH_BL, MIDDLE = 0.08, 0.2
+
+
+@kernel
+def advance_hunts(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Let time pass in the hunts of the predators among the fishes `who`, and end what is over."""
+    for i in who:
+        if minds.kind[i] != PREDATOR:
+            continue
+        minds.hunt_time[i] += minds.pause[i]
+        minds.lull[i] = max(minds.lull[i] - minds.pause[i], np.float32(0.0))
+        phase, spell = minds.hunt[i], minds.hunt_time[i]
+        eats = minds.intention[i] == EAT or minds.memory[i] == EAT
+        if phase == RUSHING and (spell > RUSH_S or not eats):
+            break_off(minds, i, clock)
+            continue
+        over = (phase == STALKING and not eats) or (phase == CHEWING and spell > CHEW_S)
+        if over or (phase == RECOVERING and spell > RECOVER_S):
+            begin(minds, i, PATROLLING)
+
+
+@kernel
+def begin(minds: Minds, i: int, phase: int) -> None:
+    """Begin a phase of the hunt of fish i."""
+    minds.hunt[i] = phase
+    minds.hunt_time[i] = 0.0
+
+
+@kernel
+def break_off(minds: Minds, i: int, clock: Clock) -> None:
+    """End a rush of fish i that missed: circle out, and rest the less the oftener it missed."""
+    begin(minds, i, RECOVERING)
+    minds.misses[i] += 1.0
+    minds.lull[i] = RECOVER_S + _lull(minds, i, 0, clock) / (0.5 + 0.5 * float(minds.misses[i]))
+    minds.missed[i] = minds.target[i]
+    minds.target[i] = -1
+
+
+@kernel
+def _lull(minds: Minds, i: int, fed: int, clock: Clock) -> float:
+    """Draw the time, s, until fish i stalks again; the less hungry, the longer."""
+    low, high = LULL_S[fed]
+    share = uniform(clock.seed, i, clock.tick, LULL_PURPOSE)
+    return (low + (high - low) * share) * (1.0 + CALM * (1.0 - float(minds.mental[i, HUNGER])))
 
 
 @kernel
 def hunger(minds: Minds, i: int, nature: Nature) -> float:
-    """The desire of a predator to hunt: its hunger, unless the last chase tired it."""
-    hunts = minds.intention[i] == EAT or minds.memory[i] == EAT
+    """The desire of a predator to hunt: its hunger, unless it rests between two hunts."""
+    phase = minds.hunt[i]
+    if phase == CHEWING:
+        return EAGER * nature.keen
+    hunts = phase in (STALKING, RUSHING)
     least = nature.keen * (STILL_HUNGRY if hunts else 1.0)
-    tired = not hunts and minds.fatigue[EAT, i] > RESTED_S
-    if minds.food[i] < 0 or tired or minds.mental[i, HUNGER] <= least:
+    rests = phase == RECOVERING or (phase == PATROLLING and minds.lull[i] > 0.0)
+    if minds.food[i] < 0 or rests or minds.mental[i, HUNGER] <= least:
         return 0.0
     return max(minds.mental[i, HUNGER], EAGER * nature.keen if hunts else 0.0)
 
 
 @kernel
 def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
-    """Approach, burst forward once near, and open the mouth at the prey.
+    """Stalk the prey, rush at it once near, and open the mouth at it.
 
     Without prey, or while it chews the last one, cruise.
     """
+    # The intention generator has added a second per second: a hunter rests by its lulls instead.
+    minds.fatigue[EAT, i] = max(minds.fatigue[EAT, i] - minds.pause[i], np.float32(0.0))
     j = minds.target[i] if minds.target[i] >= 0 else minds.food[i]
     chews = is_chewing(minds, i, clock)
     if j < 0 or not fishes.alive[j] or chews:
@@ -60,29 +154,77 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
         if chews:
             since = clock.tick * clock.dt - minds.last_meal[i]
             fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
+        elif minds.hunt[i] == RUSHING:
+            break_off(minds, i, clock)
         return
-    length = fishes.length[i]
-    sure = True
-    if norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) < BURST_BL * length:
-        j, sure = attended(fishes, minds, i, j, companions(fishes, minds, j), clock)
     minds.target[i] = j
-    strikes = fishes.goal_speed[i] > 1.0  # since its last decision
-    distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
-    strain = 0.0
-    if distance > BURST_BL * length:
-        fishes.goal_speed[i] = STALK
-    elif _aside(fishes, minds, i) > AIM_RAD:
-        fishes.goal_speed[i] = BRAKED
-    else:
-        # It waits until it has recovered, or it would use up the little it has at once.
-        if strikes or minds.spent[i] < READY_S:
-            burst(fishes, minds, i)
-            strain = STRAIN
-    # The intention generator has already added a second per second.
-    fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
-    minds.fatigue[EAT, i] = max(fatigue, 0.0)
-    gap = norm(minus(vector(fishes.position[j]), mouth_of(fishes, i)))
+    if minds.hunt[i] != RUSHING:
+        if minds.hunt[i] != STALKING:
+            begin(minds, i, STALKING)
+        _stalk(fishes, minds, i, sea, clock)
+    if minds.hunt[i] == RUSHING:
+        _rush(fishes, minds, i, clock)
+
+
+@kernel
+def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
+    """Swim to a place below and behind the prey; begin the rush, or give up after a while."""
+    j, length = np.int64(minds.target[i]), float(fishes.length[i])
+    prey, mouth = vector(fishes.position[j]), mouth_of(fishes, i)
+    toward, heading = minus(prey, mouth), x_axis(fishes.orientation[j])
+    distance = max(norm(toward), 1e-6)
+    back, down = AMBUSH_BL
+    side = times(-1.0 / distance, (toward[0], toward[1], 0.0))
+    aside = minus(side, times(BEHIND, (heading[0], heading[1], 0.0)))
+    back = max(back * length, GENTLE * abs(toward[2]))
+    place = plus(prey, times(back / max(norm(aside), 0.2), aside))
+    floor = height_at(sea.floor, sea.half_width, place[0], place[1]) + BOTTOM_BL * length
+    place = (place[0], place[1], max(place[2] - down * length, min(floor, prey[2])))
+    chase(fishes, minds, i, place, vector(fishes.velocity[j]))
+    set_urge(minds, i, give_way(fishes, minds, i, vector(minds.urge[i])))
+    fishes.goal_speed[i] = STALK
+    spell = minds.hunt_time[i]
+    rear = -dot(toward, heading) / distance
+    good = toward[2] > LOW * distance or rear < REAR_COS or spell > PATIENT_S
+    flees = minds.intention[j] == ESCAPE and distance < CHASE_BL * length
+    near = flees or (good and distance < RUSH_BL * length)
+    near = near and abs(toward[2]) < STEEPEST * distance
+    aim = dot(toward, x_axis(fishes.orientation[i])) > np.cos(AIM_RAD) * distance
+    if near and not aim:
+        set_urge(minds, i, give_way(fishes, minds, i, toward))
+    if near and aim and minds.spent[i] < READY_S and not is_blocked(fishes, minds, i):
+        begin(minds, i, RUSHING)
+    elif spell > STALK_S:
+        begin(minds, i, PATROLLING)
+        minds.lull[i] = _lull(minds, i, 0, clock)
+
+
+@kernel
+def _rush(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> None:
+    """Burst at the prey, or at another that attention passes to; snap at it, or break off.
+
+    The snap is a C-start to its side, whose first stage bends the body within 0.1 s.
+    """
+    j, length = np.int64(minds.target[i]), float(fishes.length[i])
+    j, sure = attended(fishes, minds, i, j, companions(fishes, minds, j), clock)
+    minds.target[i] = j
+    toward = minus(vector(fishes.position[j]), mouth_of(fishes, i))
+    gap = norm(toward)
+    speed = max(LEAD * fishes.burst[i] * fishes.fast[i], 1.0)
+    drift = minus(vector(fishes.velocity[j]), vector(fishes.drift[i]))
+    way = unit(plus(toward, times(gap / speed, drift)))
+    set_urge(minds, i, way)
+    store(fishes.goal_direction[i], way)  # at once: its aim does not lag
+    burst(fishes, minds, i)
+    ahead = dot(toward, x_axis(fishes.orientation[i]))
+    aside = turn_to(fishes, i, toward)
+    low, high = SNAP_RAD
+    if gap < SNAP_BL * length and low < abs(aside) < high and minds.startled[i] > SNAPPED_S:
+        fishes.startle[i], minds.startled[i] = aside, 0.0
     fishes.gape[i] = 1.0 if gap < OPEN_BL * length and sure else 0.0
+    missed = ahead < np.cos(MISSED_RAD) * gap and gap > OPEN_BL * length
+    if missed or is_blocked(fishes, minds, i):
+        break_off(minds, i, clock)
 
 
 @kernel
@@ -114,6 +256,7 @@ def attended(
     k = int(minds.neighbour[j, drawn - 1])
     first, end, kind = minds.quarry[i]
     quarry = first <= k < end and (kind < 0 or fishes.species[k] == kind)
+    quarry = quarry and k != minds.conceded[i]
     return (k if quarry and fishes.alive[k] and minds.kind[k] == PREY else j), False
 
 
@@ -122,13 +265,6 @@ def is_chewing(minds: Minds, i: int, clock: Clock) -> bool:
     """True if hunter i still chews its last catch."""
     since = clock.tick * clock.dt - minds.last_meal[i]
     return since < CHEW_S and minds.eaten[i] > 0.0 and minds.last_meal[i] > 0.0
-
-
-@kernel
-def _aside(fishes: Fishes, minds: Minds, i: int) -> float:
-    """The angle between heading and urge of fish i, rad."""
-    ahead, urge = x_axis(fishes.orientation[i]), vector(minds.urge[i])
-    return np.arccos(min(max(dot(ahead, urge) / max(norm(urge), 1e-9), -1.0), 1.0))
 
 
 @kernel
@@ -215,4 +351,7 @@ def _swallow(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> None
     minds.last_meal[i] = clock.tick * clock.dt
     minds.fatigue[EAT, i] = 0.0
     minds.target[i] = -1
+    minds.misses[i], minds.missed[i] = 0.0, NOBODY
+    begin(minds, i, CHEWING)
+    minds.lull[i] = CHEW_S + _lull(minds, i, 1, clock)
     fishes.gape[i] = 0.0

@@ -18,6 +18,7 @@ import numpy as np
 from subsea.geometry.vector import Vector, dot, minus, norm, store, vector
 from subsea.kernels import kernel
 from subsea.perception.predators import fearfulness
+from subsea.state import ALARM as ALARM_SCENT
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
 ALARMING = 1.25  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
@@ -30,6 +31,8 @@ STARTED_S, CALM_SHARE, AFRAID_SHARE = 0.1, 0.7, 0.2
 LEAST_CALM_S = 1.5  # time since its own start until those of companions alarm a fish
 # Evidence of an attack, s at the threshold of looming: companions that start are more than enough.
 WARNED_S, UNSURE_S = 1.0, 0.09
+# Most fear by smell, and the strength of alarm substance, 1/m³, that causes it.
+WARY, ALARMING_SCENT = 0.2, 0.05
 ALARM = 0.75  # fear of a fish that sees companions start
 RUSH_CM_S = 70.0  # speed of approach of the submarine from which it is feared again ...
 RENEWED_S = 1.0  # ... within this time constant
@@ -56,7 +59,18 @@ def felt_fear(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
         minds.unseen[i] += minds.pause[i]
     if present > nature.alarmed:
         present = max(present, ALARMING * nature.alarmed)
+    present += fear_of_scent(float(minds.scent[i, ALARM_SCENT]))
     return max(present, faded, _alarm(fishes, minds, i, sea))
+
+
+@kernel
+def fear_of_scent(scent: float) -> float:
+    """Fear that the smell of alarm substance, 1/m³, adds: prey that smells it is more vigilant.
+
+    Minnows that smell the skin of a wounded companion take fright earlier (von Frisch,
+    Z. vergl. Physiol. 29:46, 1941).
+    """
+    return WARY * min(scent / ALARMING_SCENT, 1.0)
 
 
 @kernel

@@ -5,6 +5,9 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.leading import leaves_behind
+from subsea.behavior.patrolling import SLOWED as BLOCKED
+from subsea.behavior.patrolling import is_blocked, patrol, patrol_speed
+from subsea.behavior.tracking import PACE, is_on_trail, track
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import (
@@ -16,7 +19,7 @@ from subsea.geometry.solids import (
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, store, times, vector
 from subsea.kernels import kernel
-from subsea.state import Clock, Fishes, Minds, Nature, Sea
+from subsea.state import PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
 ROAM = 0.8  # share of the sea's radius within which waypoints lie
 SLOPE = 0.3  # steepest way to a waypoint
@@ -24,6 +27,7 @@ ARRIVED_BL = 3.0  # distance at which a waypoint is reached
 PATIENCE_S = (2.0, 12.0)  # how long a fish heads for a waypoint, beyond the time for the way ...
 SLOWEST = 0.3  # ... at this share of its fastest speed
 FLOOR_CM = 75.0  # height of waypoints above the floor ...
+PROWLS = 0.35  # share of this height for predators, which patrol below their prey
 SURFACE_CM = 80.0  # ... their depth ...
 FREE_CM = 40.0  # ... and their distance from solids, ...
 ATTEMPTS = 6  # ... within this many attempts
@@ -35,6 +39,7 @@ HOME_FLOOR_CM = 12.0  # ... at least this high
 LOW, DESCENT = 1.6, 2.4  # power that draws waypoints low, and how much more it is by night
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
+TRACKS = 0.6  # desire of a fish that follows an odour
 BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
 WAITING = 0.2  # its speed while no companion is near, or many are left behind
 AHEAD_BL = 1.5  # distance ahead at which a fish that keeps to the ground feels for it
@@ -52,13 +57,15 @@ ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) 
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """A small constant desire; the strongest of its level on an errand.
+    """A small constant desire; strong while the fish follows an odour, strongest on an errand.
 
     In the company of its school a fish goes on the errand with it.
     """
     for i in who:
         schools = minds.leads[i] and not minds.led[i] and minds.neighbour[i, 0] >= 0
-        out[i] = BOUND if minds.errand[i] > 0.0 and not schools else 0.01
+        out[i] = TRACKS if is_on_trail(minds, i) else 0.01
+        if minds.errand[i] > 0.0 and not schools:
+            out[i] = BOUND
 
 
 @kernel
@@ -73,9 +80,17 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def wander(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
-    """Let fish i swim to its waypoint at its cruising speed."""
-    set_urge(minds, i, heading(fishes, minds, i, sea, clock))
+    """Let fish i swim to its waypoint, or along an odour, at its cruising speed."""
+    way = heading(fishes, minds, i, sea, clock)
     fishes.goal_speed[i] = cruise(fishes, minds, i, clock)
+    if minds.errand[i] <= 0.0 and minds.scavenges[i]:
+        way, tracks = track(fishes, minds, i, way)
+        fishes.goal_speed[i] = max(fishes.goal_speed[i], PACE) if tracks else fishes.goal_speed[i]
+    if minds.kind[i] == PREDATOR:
+        way = patrol(fishes, minds, i, way)
+        if is_blocked(fishes, minds, i):
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(BLOCKED))
+    set_urge(minds, i, way)
 
 
 @kernel
@@ -148,6 +163,8 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
         # Most life of a reef is in the lower half of the water, by night near the ground.
         power = LOW + DESCENT * (1.0 - sea.sky[1])
         depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** power
+        if minds.kind[i] == PREDATOR:
+            depth *= PROWLS
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
         z = min(max(low + depth * (high - low), here[2] - rise), here[2] + rise)
         lowest, highest = minds.cruise_height[i]
@@ -232,11 +249,14 @@ def cruise(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> float:
     """Cruising speed: of an errand, of the swim recommended against monotony, or the present.
 
     An active fish is faster, and often cruises where it is recommended to hover; a lazy one hovers
-    where it should cruise. After another behavior a fish eases to its own pace.
+    where it should cruise. After another behavior a fish eases to its own pace. Predators patrol at
+    a speed of their own.
     """
     if minds.errand[i] > 0.0:
         return float(minds.errand[i])
     activity = float(minds.activity[i])
+    if minds.kind[i] == PREDATOR:
+        return min(activity * patrol_speed(fishes, i), 1.0)
     speed = float(fishes.goal_speed[i])
     own = CRUISE[0] if speed < HOVERS else CRUISE[1 if speed < BRISK * activity else 2]
     speed /= activity

@@ -243,7 +243,7 @@ def _make_hungry(context: DirectingContext, cue: Cue) -> None:
     minds, hunts = context.state.minds, cue.direction.hunts
     those = _hunters(context, cue)
     set_hunger(minds, those, 1.0, now_s(context))
-    minds.fatigue[EAT, those] = 0.0
+    minds.fatigue[EAT, those] = minds.lull[those] = 0.0
     if isinstance(hunts, FishSelector) and hunts.species is not None:
         minds.quarry[those] = *ANYONE[:2], context.script.species.index(hunts.species)
     else:

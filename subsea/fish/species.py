@@ -187,6 +187,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     # Lowest and highest cruise over the ground, body lengths; None: at any height.
     cruise_height: tuple[CruiseHeight, CruiseHeight] | None = None
     character: CharacterPlan = CharacterPlan()
+    scavenges: bool = False  # follows the odour of bait and blood; predators always do
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None

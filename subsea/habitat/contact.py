@@ -99,15 +99,17 @@ CLOSEST = 2  # neighbours considered, besides the threat
 def separate(who: Ints, fishes: Fishes, minds: Minds) -> None:
     """Add to the drift of the fishes `who` what parts them from bodies that they nearly touch.
 
-    Not for courting partners, nor for predators and their prey.
+    Not for courting partners, nor for predators and their prey. Predators part from their rivals.
     """
     for i in who:
-        if not fishes.alive[i] or minds.courtship[i] > APPROACHING or minds.kind[i] == PREDATOR:
+        if not fishes.alive[i] or minds.courtship[i] > APPROACHING:
             continue
-        for k in range(CLOSEST + 1):
+        hunts = minds.kind[i] == PREDATOR
+        for k in range(1 if hunts else CLOSEST + 1):
             j = minds.neighbour[i, k] if k < CLOSEST else minds.threat[i]
+            j = minds.rival[i] if hunts else j
             felt = k == CLOSEST and (j == minds.neighbour[i, 0] or j == minds.neighbour[i, 1])
-            if j == NOBODY or felt or not fishes.alive[j] or minds.kind[j] == PREDATOR:
+            if j == NOBODY or felt or not fishes.alive[j] or (minds.kind[j] == PREDATOR) != hunts:
                 continue
             longer = max(fishes.length[i], fishes.length[j])
             touching = 0.25 * (

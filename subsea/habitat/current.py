@@ -22,15 +22,22 @@ from subsea.kernels import kernel
 from subsea.state import HULL_CM, Fishes, Sea
 
 PERIOD_S = 14.0
+STILL = 0.0, 0.0
 SOURCE_CM = 40.0  # distance at which a source cancels the current: no water flows in
 SPAN = 5.0  # multiple of it at which a source has 4% of its strength and is left out
 REACH_CM = 1.5 * SPAN * SOURCE_CM  # from the box of a rock: far away `from_rock` is too short
 
 
-def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
-    """Velocity of the uniform current (3,) in cm/s: v^u = a·sin(ωt) along a fixed direction."""
+def flow_at(
+    current_cm_s: tuple[float, float], time_s: float, stream_cm_s: tuple[float, float] = STILL
+) -> Array:
+    """Velocity of the uniform current (3,) in cm/s: v^u = a·sin(ωt) along a fixed direction.
+
+    A steady stream is added to it.
+    """
     swing = np.sin(2 * np.pi * time_s / PERIOD_S)
-    return np.array([current_cm_s[0] * swing, current_cm_s[1] * swing, 0.0])
+    x, y = stream_cm_s
+    return np.array([current_cm_s[0] * swing + x, current_cm_s[1] * swing + y, 0.0])
 
 
 @kernel

@@ -16,7 +16,7 @@ from subsea.state import EAT, PREDATOR, PREY
 
 RUSHES_BL_S = 1.3  # speed of a rush: above the fast swim of a shark, 1 L/s
 SMOOTH_TICKS = 3  # over which speed is averaged
-RESUMED_S = 0.3  # a rush goes on after a pause of less than this
+RESUMED_S = 0.8  # a rush goes on after a pause of less than this
 LEAST_RUSH_S = 0.25
 STALK_S = 2.0  # before a rush, over which the direction of the approach is averaged
 LEAST_STALK_S = 1.0
@@ -68,9 +68,11 @@ def hunts(record: Record) -> Hunts:
     speeds = np.stack([speed_of(record, int(i)) for i in hunters], 1) if len(hunters) else alive
     stalks: list[float] = []
     rushes: list[Rush] = []
+    caught: set[int] = set()
     for i, speed in zip(hunters, speeds.T, strict=True):
         stalks += list(_stalks(record, int(i), speed))
-        rushes += [_rush(record, int(i), speed, *span) for span in _spans(record, int(i), speed)]
+        for start, end in _spans(record, int(i), speed):
+            rushes.append(_rush(record, int(i), speed[start:end], start, caught))
     prey = record.kind == PREY
     died = np.nonzero(record.alive[:-1, prey] & ~record.alive[1:, prey])[0] + 1
     return Hunts(
@@ -116,8 +118,12 @@ def _target(record: Record, i: int, t: int) -> int:
     return -1
 
 
-def _rush(record: Record, i: int, speed: Array, start: int, end: int) -> Rush:
-    """Describe the rush of hunter i from tick `start` to `end`."""
+def _rush(record: Record, i: int, speed: Array, start: int, caught: set[int]) -> Rush:
+    """Describe the rush of hunter i with a `speed` (ticks,) from tick `start`.
+
+    Adds the prey that it caught to `caught`, so that no other rush catches it.
+    """
+    end = start + len(speed)
     j = _target(record, i, start)
     length, tick_s = float(record.length[i]), record.tick_s
     snout = record.snout[start:end, i]
@@ -135,8 +141,9 @@ def _rush(record: Record, i: int, speed: Array, start: int, end: int) -> Rush:
     apart = np.linalg.norm(record.position[start, same] - record.position[start, j], axis=1)
     company = (apart < SCHOOL_BL * record.length[j]).sum() - 1
     last = min(end + round(HIT_S / tick_s), len(record.time) - 1)
-    died = prey[record.alive[start, prey] & ~record.alive[last, prey]]
+    died = {int(j) for j in prey[record.alive[start, prey] & ~record.alive[last, prey]]} - caught
     fed = record.last_meal[last, i] >= record.time[start] - tick_s
+    caught |= died if fed else set()
     return Rush(
         i,
         j,
@@ -144,11 +151,11 @@ def _rush(record: Record, i: int, speed: Array, start: int, end: int) -> Rush:
         (end - start) * tick_s,
         float(far[-1]) / length,
         float(gaps.min()) / length,
-        float(speed[start:end].max()),
+        float(speed.max()),
         bool(rise > BELOW_DEG),
         bool(bearing > BEHIND_DEG),
         bool(company >= COMPANIONS),
-        bool(len(died) and fed),
+        bool(died and fed),
     )
 
 

@@ -9,7 +9,7 @@ from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.perception.collision import ANTENNA_BL, caution
-from subsea.perception.foraging import cost_of, is_in_school, perceives
+from subsea.perception.foraging import perceives, price_of
 from subsea.perception.vision import ahead_of, along_body, eye_of, sees_fish
 from subsea.state import (
     ASCEND,
@@ -28,6 +28,7 @@ from subsea.state import (
     NOBODY,
     PREDATOR,
     RIGHT,
+    RUSHING,
     SUBMARINE,
     Clock,
     Fishes,
@@ -86,14 +87,14 @@ def set_targets(
             minds.target[i] = minds.predator[i]
         elif intention == EAT and minds.kind[i] == PREDATOR:
             best = minds.foods[i, 0]
-            if now >= 0 and best >= 0 and fishes.alive[now]:
+            mine = now >= 0 and fishes.alive[now] and now != minds.conceded[i]
+            if mine and minds.hunt[i] == RUSHING:
+                best = now  # it is committed
+            elif mine and best >= 0:
                 toward = minus(vector(fishes.position[now]), eye)
                 if perceives(fishes, i, now, sea, nature, norm(toward)):
-                    schools = is_in_school(fishes, minds, now)
-                    present = cost_of(toward, norm(toward), ahead, schools)
-                    toward = minus(vector(fishes.position[best]), eye)
-                    schools = is_in_school(fishes, minds, best)
-                    other = cost_of(toward, norm(toward), ahead, schools)
+                    present = price_of(fishes, minds, i, now, eye, ahead)
+                    other = price_of(fishes, minds, i, np.int64(best), eye, ahead)
                     best = now if present - other <= devotion_cm else best
             minds.target[i] = best
         elif intention == EAT:

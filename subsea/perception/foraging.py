@@ -14,6 +14,8 @@ from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea
 
 PREY_CELL_CM = 100.0
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
+STEEPEST = 0.34  # sine of the steepest way of a stalking predator, as in `motor/controller.py`
+MISSED_COST = 2.0  # factor on the cost of prey that is warned
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
@@ -89,12 +91,11 @@ def perceive_prey(
                 distance = norm(toward)
                 if not inner < distance <= outer or distance > cost[-1]:
                     continue
-                if not is_quarry(minds, fishes.species, i, j):
+                if j == minds.conceded[i] or not is_quarry(minds, fishes.species, i, j):
                     continue
                 if not perceives(fishes, i, j, sea, nature, distance):
                     continue
-                schools = is_in_school(fishes, minds, j)
-                insert(found, cost, j, cost_of(toward, distance, ahead, schools))
+                insert(found, cost, j, price_of(fishes, minds, i, j, mouth, ahead))
                 if distance < least or (distance == least and j < minds.food[i]):
                     minds.food[i], least = j, distance
             if cost[-1] <= outer or outer >= reach:
@@ -129,11 +130,21 @@ def perceives(fishes: Fishes, i: int, j: int, sea: Sea, nature: Nature, distance
 
 
 @kernel
+def price_of(fishes: Fishes, minds: Minds, i: int, j: int, mouth: Vector, ahead: Vector) -> float:
+    """The cost, cm, of catching prey j for predator i; more of the one that it has just missed."""
+    toward = minus(vector(fishes.position[j]), mouth)
+    cost = cost_of(toward, norm(toward), ahead, is_in_school(fishes, minds, j))
+    return cost * (MISSED_COST if minds.missed[i] == j else 1.0)
+
+
+@kernel
 def cost_of(toward: Vector, distance: float, ahead: Vector, schools: bool) -> float:
     """Cost of catching prey, cm: C = d (1 + beta1 S + beta2 E / pi) (Tu §7.9.1).
 
-    S is 1 for prey in a school, else 0; E is the angle by which the predator has to turn.
+    S is 1 for prey in a school, else 0; E is the angle by which the predator has to turn. d is that
+    of the way to swim, which is no steeper than recorded motion allows.
     """
-    cosine = dot(toward, ahead) / max(distance, 1e-9)
+    distance = max(distance, abs(toward[2]) / STEEPEST)
+    cosine = dot(toward, ahead) / max(norm(toward), 1e-9)
     turn = math.acos(min(max(cosine, -1.0), 1.0))
     return distance * (1.0 + (SCHOOL_COST if schools else 0.0) + TURN_COST * turn / math.pi)

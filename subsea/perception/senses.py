@@ -19,6 +19,7 @@ from subsea.perception import (
     leader_tracking,
     mates,
     predators,
+    rivals,
     territory,
 )
 from subsea.perception.collision import Crowd
@@ -101,6 +102,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     leader_tracking.watch_schools(who, minds, survey.schools, clock)
     # Foraging needs the companions of prey.
     if len(hunting):
+        rivals.perceive_rivals(hunting, fishes, minds, survey.around.hunters)
         groups = fishes, minds, sea, survey.prey, nature
         share(foraging.perceive_prey, hunting, LEAST_HUNTERS, *groups)
 

@@ -105,7 +105,8 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     fog: Colour | None = None  # linear RGB of the far water, seen level
     # Distance at which contrast falls to 2%; 0: that of the type.
     visibility_cm: Annotated[float, msgspec.Meta(ge=50, le=1e5)] = 0.0
-    current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # uniform flow along x and y
+    current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # strength of the swell along x and y
+    stream_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # steady current, which carries odours away
     plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
     temperature_c: tuple[Celsius, Celsius] = (27.0, 21.0)  # at the surface and at `depth_cm`
     light_depth_cm: Positive = 700.0  # depth at which light falls to 1/e

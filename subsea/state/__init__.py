@@ -16,6 +16,7 @@ from subsea.state.groups import Fishes as Fishes
 from subsea.state.groups import Live as Live
 from subsea.state.groups import Minds as Minds
 from subsea.state.groups import Nature as Nature
+from subsea.state.groups import Odour as Odour
 from subsea.state.groups import Physics as Physics
 from subsea.state.groups import Reef as Reef
 from subsea.state.groups import Sea as Sea

@@ -38,6 +38,15 @@ SEABED, SURFACE, WALL = -2, -3, -4
 COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling", "spawning")
 NO_COURTSHIP, APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING = range(7)
 
+# Phases of a predator's hunt.
+HUNT = ("patrolling", "stalking", "rushing", "chewing", "recovering")
+PATROLLING, STALKING, RUSHING, CHEWING, RECOVERING = range(5)
+
+# Channels of `Odour.amount` and columns of `Minds.scent`: bait, blood, and the alarm substance of
+# wounded skin.
+ODOURS = ("food", "blood", "alarm")
+BAIT_ODOUR, BLOOD, ALARM = range(3)
+
 # States of the hook (Tu §10.1).
 STOWED, SINKING, HANGING, HOOKED, LANDED = range(5)
 

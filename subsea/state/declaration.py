@@ -12,7 +12,7 @@ from typing import Annotated, Any, NamedTuple, TypeVar, get_type_hints
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
-from subsea.state.codes import COURTSHIP, NOBODY, SUBMARINE
+from subsea.state.codes import COURTSHIP, HUNT, NOBODY, SUBMARINE
 
 G = TypeVar("G")
 
@@ -31,6 +31,7 @@ FOOD = Annotated[I32, {"start": -1, "within": (-1, "food")}]  # a speck; of a pr
 SITE = Annotated[I32, {"start": -1, "within": (-1, "sites")}]  # of `Sea.site_kind`
 ROW = Annotated[I32, {"within": (0, "rows")}]  # of the motion library
 SEGMENT = Annotated[U8, {"within": (0, "segments")}]
+HUNT_PHASE = Annotated[U8, {"within": (0, len(HUNT))}]
 COURTSHIP_STATE = Annotated[U8, {"within": (0, len(COURTSHIP))}]
 
 CREATION, PANELS = "creation", "panels"  # writers of arrays that no tick changes

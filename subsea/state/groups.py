@@ -30,6 +30,7 @@ from subsea.state.declaration import (
     FISH,
     FISH_OR_HULL,
     FOOD,
+    HUNT_PHASE,
     I8,
     I32,
     I64,
@@ -207,6 +208,7 @@ class Minds(NamedTuple):
     diet: Annotated[U8, creation("n"), "foods on stone: bits 1 << TURF to 1 << RUBBLE, 0 for none"]
     ways: Annotated[U8, creation("n"), "how it lives on stone: bits HIDES, BATHES and CLEANS"]
     territory: Annotated[F32, creation("n", unit="cm"), "radius about its home that it guards"]
+    scavenges: Annotated[BOOL, creation("n"), "whether it follows the odour of food and blood"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
     leader_place: Annotated[
@@ -226,6 +228,10 @@ class Minds(NamedTuple):
     predator: Annotated[FISH_OR_HULL, perception("n"), "most dangerous one in sight"]
     menace: Annotated[F32, perception("n"), "F^m, fear of `predator`, in [0, 1]"]
     menaces: Annotated[F32, perception("n"), "sum of F^i over all predators in sight, at most 1"]
+    rival: Annotated[FISH, perception("n"), "nearest other predator, within its reach"]
+    conceded: Annotated[FISH, perception("n"), "prey that it leaves to another predator"]
+    scent: Annotated[F32, perception("n", 3), "odour at the nostrils, columns of ODOURS, 1/m³"]
+    richer: Annotated[F32, perception("n", 3), "unit vector to more odour of food, or 0"]
     food: Annotated[FOOD, perception("n"), "nearest speck perceived; of a predator: nearest prey"]
     foods: Annotated[FOOD, perception("n", CHOICES), "nearest specks perceived, or prey by cost"]
     food_distance: Annotated[F32, perception("n", unit="cm", start=NEVER), "infinite for none"]
@@ -287,6 +293,12 @@ class Minds(NamedTuple):
         behavior("n", unit="s"),
         "time for which it inspects a predator; negative: until it may again",
     ]
+    hunt: Annotated[HUNT_PHASE, behavior("n"), "phase of a predator's hunt, code in HUNT"]
+    hunt_time: Annotated[F32, behavior("n", unit="s"), "time in this phase"]
+    lull: Annotated[F32, behavior("n", unit="s"), "time until a predator stalks again"]
+    missed: Annotated[FISH, behavior("n"), "prey that it missed in its last rush, or NOBODY"]
+    misses: Annotated[F32, behavior("n"), "rushes without a catch since the last one"]
+    trail: Annotated[F32, behavior("n", unit="s", start=NEVER), "time since it lost an odour"]
     memory: Annotated[I8, behavior("n", start=-1, within=(-1, "b")), "interrupted (Tu §7.7.1)"]
     memory_target: Annotated[
         I32,
@@ -408,6 +420,25 @@ class Seaweed(NamedTuple):
     velocity: Annotated[F32, habitat("l", "m", 3, unit="cm/s"), "of the nodes, world axes"]
 
 
+class Odour(NamedTuple):
+    """Odours that the water carries: o channels in a grid of cells; empty where nothing smells.
+
+    Cells are counted up, north and east from the lowest south-west one.
+    """
+
+    cell_cm: Annotated[NUMBER, creation(unit="cm", start=1), "side of a cell"]
+    corner: Annotated[F64, creation(3, unit="cm"), "lowest corner of the first cell: x, y, z"]
+    water: Annotated[BOOL, creation("z", "y", "x"), "False where stone or sand fills the cell"]
+    flux: Annotated[
+        F32,
+        creation(2, 3, "z", "y", "x"),
+        "velocity through the east, north and upper face, over that of a flow along x and along y",
+    ]
+
+    amount: Annotated[F32, habitat("o", "z", "y", "x"), "of each odour, 1/m³"]
+    total: Annotated[F64, habitat("o"), "amount of each odour in the whole sea"]
+
+
 class Reef(NamedTuple):
     """Corals, sponges and anemones: k growths, biggest first."""
 
@@ -469,6 +500,7 @@ class State:
     minds: Minds
     sea: Sea
     seaweed: Seaweed
+    odour: Odour
     live: Live
     reef: Reef
     directions: Directions

@@ -1,6 +1,6 @@
 """Build a world from a scenario."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import msgspec
 import numpy as np
@@ -10,6 +10,8 @@ from subsea.base.language import marked
 from subsea.base.toml_files import locate_errors
 from subsea.base.validation import convert
 from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.fish.species import Species
+from subsea.habitat.odour import make_odour, no_odour
 from subsea.habitat.reef import grow_reefs
 from subsea.habitat.sea import make_sea
 from subsea.habitat.seaweed import plant_seaweed
@@ -82,6 +84,7 @@ def create_world(
         minds=empty(Minds, n=sum(numbers), b=len(BEHAVIORS), d=len(DESIRES)),
         sea=sea,
         seaweed=seaweed,
+        odour=make_odour(sea) if _smells(scenario, motion.species) else no_odour(),
         reef=reef,
         submarine=submarine,
         live=empty(
@@ -108,6 +111,14 @@ def create_world(
     progress(marked("letting the fishes in"))
     populate(world, rng)
     return world
+
+
+def _smells(scenario: Scenario, species: Sequence[Species]) -> bool:
+    """True if a scenario has a hook, or predators and prey."""
+    by_name = dict(zip(scenario.species, species, strict=True))
+    kinds = {shoal.kind or by_name[shoal.species].kind for shoal in scenario.fish}
+    kinds |= {table.kind for table in scenario.individual if table.kind is not None}
+    return scenario.hook is not None or {"predator", "prey"} <= kinds
 
 
 def make_surroundings(

@@ -20,7 +20,7 @@ from subsea.world.world import World
 # Prefixes of the arrays that continue, by their names in a snapshot.
 LIVING = (
     "fishes.", "minds.", "directions.", "live.",
-    "sea.plankton", "sea.absent", "sea.hook", "sea.catch",
+    "sea.plankton", "sea.absent", "sea.hook", "sea.catch", "odour.amount", "odour.total",
 )  # fmt: skip
 INHABITANTS = ("individual", "hook", "direction")  # tables of a scenario, besides its shoals
 
@@ -45,7 +45,7 @@ def migrate(before: World, world: World) -> None:
     for name, array in {**changing(world), **constant(world)}.items():
         if name.startswith("live."):  # there may be more slots than before
             array[: len(theirs[name])] = theirs[name]
-        elif name.startswith(LIVING):
+        elif name.startswith(LIVING) and array.shape == theirs[name].shape:
             array[...] = theirs[name]
     world.state.tick = before.state.tick
     for name in ("barrier", "site", "cover"):  # solids and sites may have other numbers now

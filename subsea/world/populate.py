@@ -20,7 +20,19 @@ from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
-from subsea.state import BATHES, CLEANS, HIDES, KINDS, SITES, TRAITS, Fishes, Minds, Reef, Sea
+from subsea.state import (
+    BATHES,
+    CLEANS,
+    HIDES,
+    KINDS,
+    PREDATOR,
+    SITES,
+    TRAITS,
+    Fishes,
+    Minds,
+    Reef,
+    Sea,
+)
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
@@ -29,6 +41,7 @@ HOME_CM = 400.0  # distance within which a fish finds a home
 STATIONS, ABOVE_STATION_CM = ("staghorn", "table", "brain"), 25.0  # corals of cleaners
 ABOVE_HOME_CM = 15.0  # height of the home over the growth
 LET_OUT = 40  # steps out of a solid, a quarter of the body each, for a fish that begins in one
+FIRST_LULL_S = 2.0, 8.0  # until predators hunt
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 
@@ -77,6 +90,10 @@ def populate(world: World, rng: np.random.Generator) -> None:
         minds.kind[these] = KINDS.index(shoal.kind or species[shoal.species].kind)
         traits = character_of(shoal, species[shoal.species], world.state.seed, first, number)
         set_character(minds, these, traits)
+        hunts = minds.kind[these] == PREDATOR
+        low, high = FIRST_LULL_S
+        minds.lull[these] = hunts * (low + (high - low) * fishes.identity[these])
+        minds.scavenges[these] = species[shoal.species].scavenges | hunts
         set_temperament(shoal, fishes, minds, these, rng)
         minds.waypoint[these] = fishes.position[these]
         if shoal.toward_cm:

@@ -30,8 +30,9 @@ from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
 from subsea.habitat import plankton
 from subsea.habitat.contact import keep_in_free_water, separate
-from subsea.habitat.current import add_bow_wave, flow_at, set_drift, shear_at
+from subsea.habitat.current import add_bow_wave, set_drift, shear_at
 from subsea.habitat.day import in_daylight, move_sky
+from subsea.habitat.odour import STEP_TICKS, carry_odours, release_bait, release_catches
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
@@ -46,6 +47,7 @@ from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
 from subsea.perception.sites import reefers_of, see_sites
+from subsea.perception.smell import smell
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
@@ -135,7 +137,7 @@ def cue_direction(world: World, k: int) -> None:
 def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     """Move the sky, current, plankton, seaweed and hook, and apply the forces on fishes."""
     state, sea, fishes = world.state, world.state.sea, world.state.fishes
-    flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
+    flow = world.flow()
     sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
     sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
     water, cells = world.scenario.water, world.rock_cells
@@ -150,6 +152,9 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
     move_hook(sea, clock)
     regrow(sea, clock.dt)
+    if clock.tick % STEP_TICKS == 0:
+        carry_odours(state.odour, sea.radius, flow, STEP_TICKS * clock.dt)
+        release_bait(state.odour, sea, STEP_TICKS * clock.dt)
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:
@@ -165,6 +170,8 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
         who = np.union1d(who, feeding[fishes.alive[feeding]])
     nature = in_daylight(world.nature, sea.sky[1])
     sense(who, fishes, minds, sea, nature, clock)
+    if world.state.odour.total.any() or minds.scent[who].any():
+        share(smell, who, LEAST_MINDS, fishes, minds, world.state.odour)
     if len(sea.stock):
         lives = who[(minds.diet[who] | minds.ways[who]) > 0]
         around = world.site_grids, reefers_of(fishes, minds)
@@ -183,6 +190,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     schooling.guide_schools(fishes, minds, sea, clock)
     end_courtships(who, fishes, minds)
 
+    hunting.advance_hunts(who, fishes, minds, clock)
     share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
@@ -202,7 +210,9 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
 
     share(ease, everyone, LEAST_PART, fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
+    living = fishes.alive.copy()
     hunting.inhale(fishes, minds, sea, clock)
+    release_catches(world.state.odour, fishes.position[living & ~fishes.alive])
     biting.bite(fishes, minds, sea, clock)
     if len(sea.stock):
         grazing.bite(fishes, minds, sea, clock)
@@ -227,8 +237,7 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
 def simulate(world: World, clock: Clock) -> None:
     """Move the fishes that are simulated, in the water around them, and report what explodes."""
     state, fishes = world.state, world.state.fishes
-    flow = flow_at(world.flowing_cm_s, clock.tick * TICK_S)
-    shear = shear_at(state.live.fish, fishes, state.sea, world.rock_cells, flow)
+    shear = shear_at(state.live.fish, fishes, state.sea, world.rock_cells, world.flow())
     around = LiveWater(state.submarine.position, state.sea, shear)
     burst = swim(
         fishes, world.library, world.dynamics, state.live, around, clock, world.physics

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array
 from subsea.directing.script import Script, make_script
 from subsea.fish.species import Species
-from subsea.habitat.current import REACH_CM
+from subsea.habitat.current import REACH_CM, flow_at
 from subsea.habitat.rocks import RockCells, rock_cells
 from subsea.motor.switching import Dynamics
 from subsea.perception.sites import SiteGrids, grids_of
@@ -75,6 +75,11 @@ class World:
         x, y = self.current_cm_s
         more = self.state.directions.current
         return (x + float(more[0]), y + float(more[1])) if len(more) else (x, y)
+
+    def flow(self) -> Array:
+        """Compute the velocity (3,) of the uniform current at the present tick, cm/s."""
+        now_s = self.state.tick * TICK_S
+        return flow_at(self.flowing_cm_s, now_s, self.scenario.water.stream_cm_s)
 
     def report_bursts(self, fishes: Iterable[int]) -> None:
         """Add a notice of simulated fishes that lost their shape, once for each physics."""

@@ -10,17 +10,24 @@ from subsea.behavior import eating
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.hunting import (
     ATTENTION_TICKS,
-    BRAKED,
-    BURST_BL,
+    CHASE_BL,
+    CHEW_S,
     FITS,
+    LEAD,
+    LULL_S,
     MOUTH_BL,
     OPEN_BL,
+    PATIENT_S,
     READY_S,
-    RESTED_S,
+    RECOVER_S,
+    RUSH_BL,
+    RUSH_S,
+    SNAP_BL,
     STALK,
-    STRAIN,
+    STALK_S,
     SUCK_BL,
     SUCK_BL_S,
+    advance_hunts,
     attended,
     companions,
     inhale,
@@ -31,11 +38,17 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import (
     AVOID,
+    CHEWING,
     EAT,
+    ESCAPE,
     HUNGER,
     PACIFIST,
+    PATROLLING,
     PREDATOR,
     PREY,
+    RECOVERING,
+    RUSHING,
+    STALKING,
     WANDER,
     Clock,
     Fishes,
@@ -86,46 +99,184 @@ def _act(fishes, minds, around):
     eating.act(np.array([0]), fishes, minds, *around, CLOCK)
 
 
+FAR = (1.5 * CHASE_BL * LENGTH, 0.0, 0.0)
+
+
 @pytest.mark.parametrize(
-    ("place", "speed", "gape"),
+    ("place", "phase"),
     [
-        ((1.5 * BURST_BL * LENGTH, 0, 0), STALK, 0),  # comes up
-        ((0.8 * BURST_BL * LENGTH, 0, 0), 1.0, 0),  # bursts forward
-        ((20, 150, 0), BRAKED, 0),  # turns
-        ((0.5 * OPEN_BL * LENGTH, 0, 0), 1.0, 1),  # gapes
+        (FAR, STALKING),  # comes up
+        ((0.9 * RUSH_BL * LENGTH, 0, 0), RUSHING),  # from behind
+        ((0.2 * RUSH_BL * LENGTH, 0, 0.8 * RUSH_BL * LENGTH), STALKING),  # too steep
+        ((0.2 * RUSH_BL * LENGTH, 0.8 * RUSH_BL * LENGTH, 0), STALKING),  # has to turn first
     ],
 )
-def test_a_hunter_comes_up_and_bursts_forward(around, place, speed, gape):
+def test_a_hunter_stalks_and_rushes_once_it_is_near(around, place, phase):
     fishes, minds = _hunter(place)
+    fishes.burst[:] = 3.0
     minds.fatigue[EAT, 0] = 5.0
     _act(fishes, minds, around)
-    assert fishes.goal_speed[0] == pytest.approx(speed)
-    assert fishes.gape[0] == gape
-    toward = minds.urge[0] / np.linalg.norm(minds.urge[0])
-    assert toward @ (np.array(place) / np.linalg.norm(place)) > 0.999
-    strain = STRAIN if speed == 1 else 0.0
-    assert minds.fatigue[EAT, 0] == pytest.approx(5.0 + (strain - 1) * DT)
+    assert minds.hunt[0] == phase
+    assert fishes.goal_speed[0] == pytest.approx(3.0 if phase == RUSHING else STALK)
+    assert fishes.gape[0] == 0.0
+    assert minds.fatigue[EAT, 0] == pytest.approx(5.0 - DT)
 
 
-@pytest.mark.parametrize(
-    ("spent", "speed_before", "strikes"),
-    [(0.9 * READY_S, 0.5, True), (1.1 * READY_S, 0.5, False), (1.1 * READY_S, 1.5, True)],
-)
-def test_a_strike_is_begun_with_strength_and_gone_on_with(around, spent, speed_before, strikes):
-    fishes, minds = _hunter((0.8 * BURST_BL * LENGTH, 0, 0))
-    fishes.burst[:] = 3.0
-    fishes.goal_speed[0], minds.spent[0] = speed_before, spent
+def test_it_stalks_to_a_place_below_and_behind_the_prey(around):
+    """The prey heads along y, so its tail is to the right of the hunter's way."""
+    fishes, minds = _hunter(FAR)
+    fishes.orientation[1] = heading_quaternion(np.pi / 2)
     _act(fishes, minds, around)
-    assert (fishes.goal_speed[0] > 1.0) == strikes
+    way = minds.urge[0] / np.linalg.norm(minds.urge[0])
+    assert way[0] > 0.8
+    assert way[1] < -0.1
+    assert way[2] < -0.1
+
+
+def test_it_rushes_from_ahead_and_above_only_after_a_while_or_at_prey_that_flees(around):
+    place = (0.9 * RUSH_BL * LENGTH, 0.0, 0.0)
+    for spell, fled, phase in (
+        (0.0, False, STALKING), (1.1 * PATIENT_S, False, RUSHING), (0.0, True, RUSHING)
+    ):  # fmt: skip
+        fishes, minds = _hunter(place)
+        fishes.orientation[1] = heading_quaternion(np.pi)  # it faces the hunter
+        minds.hunt[0], minds.hunt_time[0] = STALKING, spell
+        minds.intention[1] = ESCAPE if fled else WANDER
+        _act(fishes, minds, around)
+        assert minds.hunt[0] == phase
+
+
+@pytest.mark.parametrize(("spent", "phase"), [(0.9 * READY_S, RUSHING), (1.1 * READY_S, STALKING)])
+def test_a_rush_begins_with_strength(around, spent, phase):
+    fishes, minds = _hunter((0.8 * RUSH_BL * LENGTH, 0, 0))
+    fishes.burst[:] = 3.0
+    minds.spent[0] = spent
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == phase
+
+
+def test_a_rush_is_one_burst_of_under_two_seconds(around):
+    """It goes on while the hunter tires, and misses when time is up or the prey is behind it."""
+    fishes, minds = _hunter((100.0, 0, 0))
+    fishes.burst[:] = 3.0
+    minds.hunt[0], minds.spent[0] = RUSHING, 1.1 * READY_S
+    _act(fishes, minds, around)
+    assert (minds.hunt[0], minds.target[0]) == (RUSHING, 1)
+    assert fishes.goal_speed[0] > 2.0
+    advance(minds, fishes, 0.9 * RUSH_S)
+    assert minds.hunt[0] == RUSHING
+    advance(minds, fishes, 0.2 * RUSH_S)
+    assert (minds.hunt[0], minds.target[0], minds.misses[0]) == (RECOVERING, -1, 1.0)
+    low, high = RECOVER_S + LULL_S[0]
+    assert low <= minds.lull[0] <= high
+    assert RUSH_S < 2.0
+
+
+def test_a_rush_past_the_prey_has_missed(around):
+    for place, speed, phase in (
+        ((60, 60, 0), 3.0, RUSHING), ((-60, 20, 0), 3.0, RECOVERING)
+    ):  # fmt: skip
+        fishes, minds = _hunter(place)
+        fishes.burst[:] = 3.0
+        minds.hunt[0] = RUSHING
+        _act(fishes, minds, around)
+        assert minds.hunt[0] == phase
+        assert fishes.goal_speed[0] == pytest.approx(speed)
+
+
+def test_the_head_snaps_round_to_the_prey_once_and_gapes(around):
+    for gap, snaps, gape in ((1.2 * SNAP_BL, False, 0), (0.9 * OPEN_BL, True, 1)):
+        side = np.array([0.8, 0.6, 0.0])
+        fishes, minds = _hunter(gap * LENGTH * side)
+        minds.hunt[0] = RUSHING
+        _act(fishes, minds, around)
+        assert fishes.goal_direction[0] == pytest.approx(side, abs=1e-5)
+        assert fishes.startle[0] == pytest.approx(np.arctan2(0.6, 0.8) if snaps else 0.0)
+        assert fishes.gape[0] == gape
+        fishes.startle[0] = 0.0
+        _act(fishes, minds, around)
+        assert fishes.startle[0] == 0.0
 
 
 def test_it_heads_off_a_prey_that_crosses_its_way(around):
     fishes, minds = _hunter((120.0, 0.0, 0.0))
-    fishes.velocity[0] = 60.0, 0.0, 0.0
+    fishes.fast[0], fishes.burst[0] = 60.0, 3.0
     fishes.velocity[1] = 0.0, 25.0, 0.0
+    minds.hunt[0] = RUSHING
     _act(fishes, minds, around)
-    # They meet in two seconds.
-    assert minds.urge[0] == pytest.approx([120.0, 50.0, 0.0])
+    meeting = 120.0 / (LEAD * 180.0)
+    ahead = np.array([120.0, 25.0 * meeting, 0.0])
+    assert minds.urge[0] == pytest.approx(ahead / np.linalg.norm(ahead), abs=1e-5)
+
+
+def advance(minds, fishes, seconds):
+    """Let time pass at once."""
+    minds.pause[0] = seconds
+    advance_hunts(np.array([0]), fishes, minds, CLOCK)
+    minds.pause[0] = DT
+
+
+def test_the_phases_follow_one_another(around):
+    fishes, minds = _hunter((100.0, 0.0, 0.0))
+    out = np.zeros(2, np.float32)
+
+    def wants():
+        eating.desire(np.array([0]), fishes, minds, *around, CLOCK, out)
+        return out[0] > 0
+
+    minds.hunt[0], minds.lull[0] = RECOVERING, RECOVER_S + 5.0
+    assert not wants()
+    advance(minds, fishes, 1.1 * RECOVER_S)
+    assert minds.hunt[0] == PATROLLING
+    assert not wants()  # it rests
+    advance(minds, fishes, 5.0)
+    assert minds.lull[0] == 0.0
+    assert wants()
+    _act(fishes, minds, around)
+    minds.hunt[0], minds.hunt_time[0] = STALKING, 0.0
+    minds.intention[0] = WANDER  # it lost interest
+    advance(minds, fishes, DT)
+    assert minds.hunt[0] == PATROLLING
+    minds.hunt[0], minds.intention[0], minds.memory[0] = STALKING, AVOID, EAT
+    advance(minds, fishes, DT)
+    assert minds.hunt[0] == STALKING  # a moment's interruption
+    minds.hunt[0], minds.memory[0] = CHEWING, -1
+    assert wants()
+    advance(minds, fishes, 1.1 * CHEW_S)
+    assert minds.hunt[0] == PATROLLING
+
+
+def test_it_gives_up_a_long_stalk(around):
+    fishes, minds = _hunter(FAR)
+    minds.hunt[0], minds.hunt_time[0] = STALKING, 1.01 * STALK_S
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == PATROLLING
+    assert minds.lull[0] >= LULL_S[0, 0]
+
+
+def test_a_sated_hunter_rests_longer_and_one_that_missed_often_less(around):
+    def lull(hunger, misses):
+        fishes, minds = _hunter((100.0, 0, 0))
+        minds.hunt[0], minds.hunt_time[0] = RUSHING, RUSH_S
+        minds.mental[0, HUNGER], minds.misses[0] = hunger, misses
+        advance(minds, fishes, DT)
+        return float(minds.lull[0]) - RECOVER_S
+
+    assert lull(0.5, 0) == pytest.approx(3.5 * lull(1.0, 0), rel=1e-3)
+    assert lull(1.0, 3) == pytest.approx(lull(1.0, 0) / 2.5, rel=1e-3)
+
+
+def test_two_hunters_of_one_prey_part(around):
+    """The smaller turns away from the larger, and does not rush with it before it."""
+    fishes, minds = _hunter((0.9 * RUSH_BL * LENGTH, 0, 0), (10.0, 20.0, 0.0))
+    fishes.length[2], minds.kind[2] = 1.2 * LENGTH, PREDATOR
+    minds.rival[0] = 2
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == STALKING
+    assert minds.urge[0, 1] < 0.0
+    fishes.length[2] = 0.8 * LENGTH
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == RUSHING
 
 
 def test_without_a_living_prey_it_cruises(around):
@@ -136,7 +287,7 @@ def test_without_a_living_prey_it_cruises(around):
     assert minds.urge[0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-5)
 
 
-def test_hunger_and_fatigue_decide_whether_it_hunts(around):
+def test_hunger_decides_whether_it_hunts(around):
     fishes, minds = _hunter((50.0, 0.0, 0.0))
     out = np.zeros(2, np.float32)
 
@@ -145,17 +296,11 @@ def test_hunger_and_fatigue_decide_whether_it_hunts(around):
         return out[0] > 0
 
     assert wants()
-    minds.fatigue[EAT, 0] = RESTED_S + 1
-    assert wants()  # a chase is finished ...
-    minds.intention[0], minds.memory[0] = AVOID, EAT
-    assert wants()  # ... even when it was interrupted, ...
-    minds.memory[0] = -1
-    assert not wants()  # ... but one that gave up rests
-    minds.fatigue[EAT, 0] = RESTED_S - 1
-    assert wants()
     minds.mental[0, HUNGER] = 0.9 * around[1].keen
-    assert not wants()  # it has eaten its fill
-    minds.mental[0, HUNGER] = 1.0
+    assert not wants()
+    minds.hunt[0] = STALKING
+    assert wants()  # a hunt is finished
+    minds.hunt[0], minds.mental[0, HUNGER] = PATROLLING, 1.0
     minds.food[0] = -1
     assert not wants()
 
@@ -221,6 +366,9 @@ def test_a_prey_in_the_mouth_is_eaten(around):
     assert minds.last_meal[0] == pytest.approx(CLOCK.tick * DT)
     assert minds.fatigue[EAT, 0] == 0
     assert minds.target[0] == minds.food[0] == -1
+    assert (minds.hunt[0], minds.misses[0]) == (CHEWING, 0.0)
+    low, high = CHEW_S + LULL_S[1]
+    assert low <= minds.lull[0] <= high
     _act(fishes, minds, around)
     assert 0 < fishes.gape[0] < 0.5  # it chews
 
@@ -281,14 +429,14 @@ def test_in_a_crowd_attention_is_divided_evenly(around):
 
 
 def test_a_hunter_that_is_not_sure_keeps_its_mouth_shut(around):
-    """It goes on bursting, and tires."""
+    """It goes on bursting."""
     near = 0.5 * OPEN_BL * LENGTH
     seen = set()
     for tick in ATTENTION_TICKS * np.arange(40) + 1:
         fishes, minds = _hunter((near, 0, 0), (near, 2, 0), (near, -2, 0))
         fishes.burst[:] = 3.0
         minds.neighbour[1, :2] = 2, 3
-        fishes.gape[0] = 0.0
+        fishes.gape[0], minds.hunt[0] = 0.0, RUSHING
         clock = CLOCK._replace(tick=int(tick))
         _, sure = attended(fishes, minds, 0, 1, 2, clock)
         eating.act(np.array([0]), fishes, minds, *around, clock)

@@ -6,7 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.habitat.day import in_daylight
-from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
+from subsea.perception.foraging import (
+    COMPANY_CM,
+    MISSED_COST,
+    SCHOOL_COST,
+    STEEPEST,
+    TURN_COST,
+)
 from subsea.perception.predators import FELT_BL
 from subsea.perception.senses import fish_due, sense
 from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
@@ -191,6 +197,7 @@ def test_without_libido_only_near_mates_are_perceived(tank):
 def test_prey_are_ranked_by_their_cost(tank, seed):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY])
     t.minds.leads[:] = t.minds.intention == SCHOOL
+    t.minds.missed[:] = np.roll(np.arange(len(t.minds.kind)), 1)
     t.run(sense)
     near = t.minds.neighbour[:, 0]
     gaps = np.linalg.norm(t.fishes.position[near] - t.fishes.position, axis=1)
@@ -201,7 +208,9 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
         for j, gap, seen in _all(t, i, PREY):
             d = np.linalg.norm(gap)
             turn = np.arccos(np.clip(gap @ x / d, -1, 1))
-            cost = d * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
+            way = max(d, abs(gap[2]) / STEEPEST)
+            cost = way * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
+            cost *= MISSED_COST if t.minds.missed[i] == j else 1.0
             if seen or d <= t.nature.smell_cm:
                 able.append((cost, d, j))
         best = [j for _, _, j in sorted(able)[:3]]

@@ -13,7 +13,7 @@ from subsea.behavior.table import INTENTIONS
 from subsea.dive.minds_text import SPAN, Chart, feelings, focus
 from subsea.fish.character import TRAIT_RANGE
 from subsea.scenario.schema import IndividualTable
-from subsea.state import COURTSHIP, HUNGER, KINDS, LIBIDO, MENTAL_STATES, Nature
+from subsea.state import COURTSHIP, HUNGER, HUNT, KINDS, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, WARM, button, colour
 from subsea.ui.panels.fields import PanelContext, Slider, radio_row
 from subsea.ui.panels.fish_picker import choose_fish
@@ -134,6 +134,8 @@ def _intentions(world: World, fish: int) -> None:
     about = f"about {what}" if far is None else f"about {what}, {far / 100.0:.2f} m away"
     if minds.courtship[fish]:
         about += f"; {COURTSHIP[minds.courtship[fish]]}"
+    if minds.hunt[fish]:
+        about += f"; {HUNT[minds.hunt[fish]]}"
     if minds.memory[fish] >= 0:
         about += f"; then {INTENTIONS[minds.memory[fish]]} again"
     imgui.text(about)
