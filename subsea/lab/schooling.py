@@ -26,6 +26,8 @@ class School(NamedTuple):
     calm: Bools  # (k,), whether none of them is alarmed
     cruises: Bools  # (k,), whether at least half of them school, and none is alarmed
     polarisation: Array  # (k,) length of the mean heading of those that school
+    rotation: Array  # (k,) how much they circle their middle, seen from above: 0 to 1
+    course: Array  # (k,) rad, direction of their mean heading, left of the x axis
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
     together: Array  # (k,) share of those that school in the largest connected part
     distances: Array  # every such distance while it cruises, body lengths
@@ -54,7 +56,7 @@ def schools(record: Record) -> list[School]:
 
 
 def _school(record: Record, leader: int, every: int) -> School:
-    rows: list[tuple[float, int, bool, bool, float, float, float]] = []
+    rows: list[tuple[float, int, bool, bool, float, float, float, float, float]] = []
     distances: list[Array] = []
     for t in range(0, len(record.time), every):
         those = record.alive[t] & (record.leader[t] == leader)
@@ -67,22 +69,52 @@ def _school(record: Record, leader: int, every: int) -> School:
             continue
         calm = bool(record.mental_state[t, members, FEAR].max() <= record.alarmed)
         cruises = calm and bool(2 * ((doing == SCHOOL) | led).sum() >= len(members))
-        polarisation = float(
-            np.linalg.norm(headings(record.orientation[t, schooling]).mean(axis=0))
-        )
-        nearest, together = _spread(
-            record.position[t, schooling].astype(np.float64), record.length[schooling], LINK_BL
-        )
+        ahead, place = headings(record.orientation[t, schooling]), record.position[t, schooling]
+        mean = ahead.mean(axis=0)
+        nearest, together = _spread(place.astype(np.float64), record.length[schooling], LINK_BL)
         if cruises:
             distances.append(nearest)
         rows.append((
-            float(record.time[t]), len(members), calm, cruises, polarisation,
+            float(record.time[t]), len(members), calm, cruises, float(np.linalg.norm(mean)),
+            rotation_of(place.astype(np.float64), ahead), float(np.arctan2(mean[1], mean[0])),
             float(np.median(nearest)), together,
         ))  # fmt: skip
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 7
-    fields = dict(zip(School._fields[1:8], columns, strict=True))
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 9
+    fields = dict(zip(School._fields[1:10], columns, strict=True))
     nearby = np.concatenate(distances) if distances else np.zeros(0)
     return School(leader=leader, **fields, distances=nearby)
+
+
+def rotation_of(place: Array, ahead: Array) -> float:
+    """Measure how much m fishes at places (m, 3) with headings (m, 3) circle their middle.
+
+    It is the mean over the fishes of the sine between the way from the middle and the heading, both
+    seen from above: 1 for a ring that turns one way (Tunstrøm et al. 2013).
+    """
+    out = (place - place.mean(axis=0))[:, :2]
+    across = out[:, 0] * ahead[:, 1] - out[:, 1] * ahead[:, 0]
+    sizes = np.linalg.norm(out, axis=1) * np.linalg.norm(ahead[:, :2], axis=1)
+    return float(abs((across / np.maximum(sizes, 1e-9)).mean()))
+
+
+# Order and disorder of the three states (Tunstrøm et al. 2013).
+HIGH, LOW = 0.65, 0.35
+
+
+def states(school: School) -> dict[str, float]:
+    """Measure the shares of the samples in which a school is polarised, mills or is a swarm.
+
+    In the rest of the samples it is between the states, and not alarmed in any.
+    """
+    calm = school.calm
+    order, turning = school.polarisation[calm], school.rotation[calm]
+    if not len(order):
+        return {"polarised": 0.0, "milling": 0.0, "swarm": 0.0}
+    return {
+        "polarised": float(((order > HIGH) & (turning < LOW)).mean()),
+        "milling": float(((order < LOW) & (turning > HIGH)).mean()),
+        "swarm": float(((order < LOW) & (turning < LOW)).mean()),
+    }
 
 
 @kernel

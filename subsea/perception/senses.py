@@ -13,7 +13,14 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share, side_by_side
-from subsea.perception import collision, foraging, leader_tracking, mates, predators
+from subsea.perception import (
+    collision,
+    companions,
+    foraging,
+    leader_tracking,
+    mates,
+    predators,
+)
 from subsea.perception.collision import Crowd
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
 from subsea.perception.leader_tracking import Schools
@@ -88,8 +95,9 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     for kind, grid in survey.fellows.items():
         looks += cut(find_neighbours, who[kinds == kind], LEAST_PART, fishes, minds, grid)
     run_all(looks, shared=len(who) >= 2 * LEAST_PART)
+    share(companions.keep_perceived, who, LEAST_PART, fishes, minds, nature)
     leader_tracking.watch_leader(who, fishes, minds, seen, clock)
-    leader_tracking.watch_schools(who, minds, survey.schools, clock)
+    leader_tracking.watch_schools(who, fishes, minds, nature, survey.schools, clock)
     # Foraging needs the companions of prey.
     if len(hunting):
         groups = fishes, minds, sea, survey.prey, nature
