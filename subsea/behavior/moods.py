@@ -26,7 +26,8 @@ APPETITE_S = 3.0  # likewise of the way from ease to feeding
 # Change of alignment, noise and spacing: factors at full alarm, and while feeding.
 ALARMED, FEEDING = (2.5, 0.15, 0.65), (0.3, 1.4, 1.4)
 FEEDING_SPEED = 0.6  # factor on the speed of a school that feeds
-REST_S = 25.0  # a school decides this often whether to rest ...
+LEAST_TRAVEL = 0.4  # activity of a school that travels slowly
+REST_S = 20.0  # a school decides this often whether to rest ...
 SETTLES_S = 4.0  # ... takes this long to stop or set out ...
 SPREAD_S = 3.0  # ... and its fishes do so one after the other within this time
 PACE_TIMES = 2.0  # time constant of the speed's noise, over that of the heading's
@@ -92,17 +93,28 @@ def temper_of(minds: Minds, i: int) -> Temper:
 
 @kernel
 def activity(i: int, school: int, rest: float, identity: float, clock: Clock) -> float:
-    """Share of the way from rest, 0, to travel, 1, of fish i in a school."""
-    if rest <= 0.0:
-        return 1.0
+    """Share of the way from rest, 0, to full travel, 1, of fish i in a school.
+
+    A school draws it again every REST_S.
+    """
     now = (clock.tick * clock.dt + SPREAD_S * identity) / REST_S
     period = int(now)
-    travels = 0.0 if uniform(clock.seed, school, period, REST_PURPOSE) < rest else 1.0
-    before = travels
-    if period > 0:
-        before = 0.0 if uniform(clock.seed, school, period - 1, REST_PURPOSE) < rest else 1.0
-    share = min((now - period) * REST_S / SETTLES_S, 1.0)
-    return before + (travels - before) * share
+    level = _level(clock.seed, school, period, rest)
+    if period == 0:
+        return level
+    before = _level(clock.seed, school, period - 1, rest)
+    return before + (level - before) * min((now - period) * REST_S / SETTLES_S, 1.0)
+
+
+@kernel
+def _level(seed: int, school: int, period: int, rest: float) -> float:
+    """Activity of a school in a period: 0 with the probability `rest`, else some travel."""
+    drawn = uniform(seed, school, period, REST_PURPOSE)
+    if rest <= 0.0:
+        return 1.0
+    if drawn < rest:
+        return 0.0
+    return LEAST_TRAVEL + (1.0 - LEAST_TRAVEL) * (drawn - rest) / (1.0 - rest)
 
 
 @kernel

@@ -35,7 +35,7 @@ INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
 def lot(i: int, school: int, seed: int) -> float:
     """A number in [0, 1) for fish i, the same throughout a dive.
 
-    Of any n fishes of a school in a row, a share s of about n s have a number below s.
+    Of n fishes in a row, n s have a number below s, give or take one or two.
     """
     drawn = uniform(seed, school, 0, INFORMED_PURPOSE) + GOLDEN * (i - school)
     return drawn - np.floor(drawn)

@@ -56,7 +56,7 @@ def keep_perceived(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> N
                 break
             way = minus(vector(fishes.position[j]), here)
             gap = norm(way)
-            if gap > felt and (gap > seen or dot(way, ahead) < rule[BLIND_COS] * gap):
+            if gap > felt and (gap > seen or dot(way, ahead) <= rule[BLIND_COS] * gap):
                 continue
             minds.neighbour[i, kept] = j
             kept += 1

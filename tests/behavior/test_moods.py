@@ -73,7 +73,8 @@ def test_a_school_rests_its_share_of_the_time(tank, rest):
     t = tank(1)
     clocks = [t.at(tick).clock for tick in range(0, 400_000, 30)]
     levels = np.array([moods.activity(3, 7, rest, 0.5, clock) for clock in clocks])
-    assert levels.mean() == pytest.approx(1.0 - rest, abs=0.06)
+    assert (levels < 0.4 * moods.LEAST_TRAVEL).mean() == pytest.approx(rest, abs=0.08)
+    assert levels.min() >= 0.0 and levels.max() <= 1.0
     assert np.abs(np.diff(levels)).max() < 0.3
     late = [moods.activity(4, 7, rest, 0.9, clock) for clock in clocks]
     assert np.mean(np.abs(levels - late) > 0.5) < 0.05
@@ -111,5 +112,5 @@ def test_a_resting_school_has_no_destination_and_is_slow(tank):
         t.at(5000).run(schooling.act, 0)
         paces.append(float(t.fishes.goal_speed[0]))
         courses.append(float(t.minds.urge[0, 1]))
-    assert paces[1] < 0.5 * paces[0]
+    assert paces[1] < 0.7 * paces[0]
     assert courses[0] > 0.2 and courses[1] == pytest.approx(0.0, abs=1e-6)
