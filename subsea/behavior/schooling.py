@@ -12,33 +12,54 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
 from subsea.behavior.leading import LOST_S, follow_leader
-from subsea.behavior.vigilance import away_from_threat, closed_by, haste
+from subsea.behavior.moods import Temper, activity, deviate, temper_of
+from subsea.behavior.school_goals import NEAR_GOAL_BL, goal_of, is_informed
+from subsea.behavior.vigilance import away_from_threat, haste
 from subsea.behavior.wandering import BOUND, redraw
-from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.school_rules import (
+    ALIGNMENT,
+    ATTENDED,
+    ATTRACTION,
+    ATTRACTION_BL,
+    FULL_ATTRACTION_BL,
+    GOAL,
+    INERTIA,
+    NOISE_RAD,
+    PACE_NOISE,
+    REJOIN,
+    REST,
+    SEPARATION,
+    SEPARATION_BL,
+)
 
-APART_BL, ATTRACT_BL, FAR_BL = 0.8, 1.0, 3.0  # separation within, attraction beyond, full beyond
 LAYER = 0.65  # factor on vertical distances: the nearest neighbour is at nearly the same depth
-ALIGN, SEPARATE, ATTRACT, GOAL, FLEE = 1.0, 1.3, 0.9, 0.5, 1.2  # weights
-INFORMED = 0.2  # share of fishes that know the destination
-NEAR_GOAL_BL = 6.0  # distance to the destination at which its weight fades
+FLEE = 1.2  # weight of the way from a predator
 CRUISING = 0.62  # share of the fastest speed that a school at ease tends to ...
-TENDENCY = 0.15  # ... with this weight against the speed of the neighbours
+TENDENCY = 0.6  # ... with this weight against the speed of the neighbours
 ALONG = 0.25  # change of speed by the attraction and separation along the heading
 ALARMED_SPEED = 0.9
+RESTING_SPEED, RESTING_ORDER = 0.35, 0.85  # factors on speed and alignment of a school that rests
+# A fish levels with its nearest LEVELLED companions of the school, unless they are steeply above
+# or below: then it leaves their way. So schools have layers (Partridge et al. 1980).
+LEVELLED, LEVEL_SINE, LEVELLING = 2, 0.6, 0.7
+FLATTENING = 0.1  # weight of the mean height of the neighbours
+# A fish keeps its nearest companion as far ahead or behind as aside (Partridge et al. 1980).
+DIAGONAL_BL, DIAGONAL_PACE, DIAGONAL_TURN = 1.2, 0.4, 0.3
+CLIMBING = 0.25  # noise of the climb over that of the heading
 OWN_WAY, COMPANY = 2.0, 0.4  # weights of the way past an obstacle, and of all else meanwhile
-LEAST_SPEED = 0.3
+LEAST_SPEED = 0.12
 # A school of n extends RADIUS_BL n^(1/3) from its middle. A fish beyond the share WITHIN of this
 # radius hurries to the middle.
-RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.5
+RADIUS_BL, WITHIN, HURRY = 0.9, 0.6, 0.5
+SLENDER = 1.25  # a school is this much narrower and longer than round
 DIRECT = 2.0  # weight of the angle off the school in the choice of a side, for a fish beyond it
 # A straggler has fewer than COMPANIONS companions within STRAGGLING_BL.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
 LOOSE = 2.2  # factor on the distances of a school at ease in the night
-INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
 
 
 @kernel
@@ -85,9 +106,11 @@ def has_school(minds: Minds, i: int, now: float) -> bool:
     if not minds.schools[i]:
         return False
     company = minds.neighbour[i, 0] >= 0
+    remembers = now - minds.leader_seen[i] < LOST_S
     if minds.leader[i] >= 0:
-        return company or now - minds.leader_seen[i] < LOST_S
-    return minds.leads[i] and not minds.led[i] and (company or minds.school_size[i] > 1.0)
+        return company or remembers
+    return minds.leads[i] and not minds.led[i] and (company or (
+        remembers and minds.school_size[i] > 1.0))  # fmt: skip
 
 
 @kernel
@@ -96,34 +119,45 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
     By night a school that is at ease disperses.
     """
-    loose = LOOSE ** (1.0 - sea.sky[1])
+    now, loose = clock.tick * clock.dt, LOOSE ** (1.0 - sea.sky[1])
     for i in who:
         if minds.led[i]:
             follow_leader(i, fishes, minds, sea, nature, clock)
             continue
+        rule = minds.rules[minds.school_rule[i]]
         here, length = vector(fishes.position[i]), float(fishes.length[i])
         alarmed = minds.mental[i, FEAR] > nature.alarmed
         school = known_by(minds, i)
-        spacing = closed_by(minds, i, nature) / np.sqrt(float(minds.sociability[i]))
-        if not alarmed:
-            spacing *= loose
-        urge, heading, pace = _company(fishes, minds, i, spacing)
-        cruising = CRUISING * float(minds.activity[i])
-        if minds.errand[school] > 0.0:
-            cruising = minds.errand[school] * np.sqrt(fishes.length[school] / length)
+        temper = temper_of(minds, i, loose)
+        errand = float(minds.errand[school])
+        travels = activity(i, school, rule[REST], float(fishes.identity[i]), clock)
+        travels = max(travels, temper.alarm)
+        if errand > 0.0:
+            travels = 1.0
+        deviate(minds, i, rule, clock)
+        urge, heading, pace = _company(fishes, minds, i, temper, travels)
+        cruising = CRUISING * temper.speed * (RESTING_SPEED + (1.0 - RESTING_SPEED) * travels)
+        cruising *= float(minds.activity[i])
+        hurries = haste(minds, i, nature) * (1.0 if alarmed else temper.alarm)
+        cruising += (ALARMED_SPEED - cruising) * hurries
+        if errand > 0.0 and not alarmed:
+            cruising = errand * np.sqrt(fishes.length[school] / length)
         if alarmed:
-            cruising += (ALARMED_SPEED - CRUISING) * haste(minds, i, nature)
             urge = plus(urge, times(FLEE, away_from_threat(fishes, minds, i, sea, nature)))
-        elif is_informed(i, school, clock):
-            toward = minus(vector(minds.waypoint[school]), here)
-            distance = max(norm(toward), NEAR_GOAL_BL * length)
-            urge = plus(urge, times(GOAL / distance, toward))
+        else:
+            goal = goal_of(fishes, minds, i, school, clock)
+            urge = plus(urge, times(rule[GOAL] * travels, goal))
         pace += TENDENCY * (cruising - pace)
-        middle = minus(vector(minds.leader_place[i]), here)
-        radius = RADIUS_BL * spacing * length * minds.school_size[i] ** (1.0 / 3.0)
-        outside = min(max(norm(middle) / radius - WITHIN, 0.0), 1.0)
-        middle = times(outside / max(norm(middle), 1.0), middle)
-        wish = plus(urge, times(REJOIN, middle))
+        pace *= np.exp(rule[PACE_NOISE] * temper.noise * float(minds.deviation[i, 2]))
+        middle, outside = ZERO, 0.0
+        if now - minds.leader_seen[i] < LOST_S:
+            middle = minus(vector(minds.leader_place[i]), here)
+            radius = RADIUS_BL * temper.spacing * length * minds.school_size[i] ** (1.0 / 3.0)
+            way = stretched(middle, heading, SLENDER)
+            outside = min(max(norm(way) / radius - WITHIN, 0.0), 1.0)
+            way = stretched(way, heading, SLENDER)
+            middle = times(outside / max(norm(way), 1.0), way)
+        wish = plus(urge, times(rule[REJOIN], middle))
         # All take the side that most head to, or the school would split at an obstacle.
         way = detour(wish, heading, here, length, sea.pillars, sea.rocks,
                      DIRECT * outside)  # fmt: skip
@@ -138,44 +172,79 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 
 @kernel
-def is_informed(i: int, school: int, clock: Clock) -> bool:
-    """True if fish i knows the destination of its school: the same fishes throughout a dive."""
-    return i == school or uniform(clock.seed, i, 0, INFORMED_PURPOSE) < INFORMED
+def stretched(way: Vector, heading: Vector, by: float) -> Vector:
+    """A vector whose part across a heading is `by` times as long, and along it 1/`by` times."""
+    level = np.sqrt(heading[0] * heading[0] + heading[1] * heading[1])
+    if level < 1e-6 or by == 1.0:
+        return way
+    x, y = heading[0] / level, heading[1] / level
+    along, aside = (way[0] * x + way[1] * y) / by, (way[1] * x - way[0] * y) * by
+    return along * x - aside * y, along * y + aside * x, way[2]
 
 
 @kernel
-def _company(fishes: Fishes, minds: Minds, i: int, spacing: float) -> tuple[Vector, Vector, float]:
-    """Alignment, separation and attraction of the neighbours, their heading, and their pace.
+def _company(
+    fishes: Fishes, minds: Minds, i: int, temper: Temper, travels: float
+) -> tuple[Vector, Vector, float]:
+    """The urge by the neighbours of fish i, their heading, and their pace.
 
-    `spacing` is a factor on the distances. Separation counts most from the nearest. The heading,
-    of any length, is the mean with that of fish i.
+    Alignment, separation and attraction, with noise. The heading, of any length, is the sum with
+    that of fish i. Sums are level, along and across its own heading, and up.
     """
+    rule = minds.rules[minds.school_rule[i]]
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
-    apart, toward, heading = ZERO, ZERO, ahead
-    speed, count = 0.0, 0
+    level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-6)
+    x, y = ahead[0] / level, ahead[1] / level
+    apart, toward, heading, nearest = ZERO, ZERO, ZERO, ZERO
+    speed, rise, levelling, count, attended = 0.0, 0.0, 0.0, 0, 0
     for j in minds.neighbour[i]:
-        if j < 0:
+        if j < 0 or attended >= rule[ATTENDED]:
             break
+        attended += 1
         way = minus(vector(fishes.position[j]), here)
-        distance = max(norm((way[0], way[1], LAYER * way[2])), 0.1)
-        apart_bl = distance / (0.5 * (fishes.length[i] + fishes.length[j]) * spacing)
-        way = times(1.0 / distance, way)
-        if apart_bl < APART_BL:
-            push = 1.0 - apart_bl / APART_BL
-            apart = minus(apart, times(push, way))
+        unit = 1.0 / (0.5 * (fishes.length[i] + fishes.length[j]) * temper.spacing)
+        away = unit * (way[0] * x + way[1] * y), unit * (way[1] * x - way[0] * y), unit * way[2]
+        distance = max(norm((away[0], away[1], LAYER * away[2])), 0.01)
+        full = max(norm(away), 0.01)
+        if distance < rule[SEPARATION_BL]:
+            apart = minus(apart, times((1.0 - distance / rule[SEPARATION_BL]) / full, away))
         if not minds.schools[j] or known_by(minds, j) != known_by(minds, i):
             continue
         heading = plus(heading, x_axis(fishes.orientation[j]))
-        pull = min(max((apart_bl - ATTRACT_BL) / (FAR_BL - ATTRACT_BL), 0.0), 1.0)
-        toward = plus(toward, times(pull, way))
+        pull = (distance - rule[ATTRACTION_BL]) / (rule[FULL_ATTRACTION_BL] - rule[ATTRACTION_BL])
+        toward = plus(toward, times(min(max(pull, 0.0), 1.0) / full, away))
+        rise += away[2]
+        if count == 0:
+            nearest = away
+        if count < LEVELLED:
+            if abs(away[2]) < LEVEL_SINE * full:
+                levelling += LEVELLING * away[2] / full
+            elif distance < rule[ATTRACTION_BL]:
+                levelling -= LEVELLING * away[2] / full
         speed += norm(minus(vector(fishes.velocity[j]), vector(fishes.drift[j])))
         count += 1
     share = 1.0 / max(count, 1)
-    keep = plus(times(SEPARATE, apart), times(ATTRACT * share, toward))
-    urge = plus(times(ALIGN / (count + 1.0), heading), keep)
-    if count == 0:
-        return urge, heading, CRUISING
-    return urge, heading, share * speed / fishes.fast[i] + ALONG * dot(keep, ahead)
+    keep = plus(times(rule[SEPARATION], apart), times(rule[ATTRACTION] * share, toward))
+    diagonal = abs(nearest[1]) - abs(nearest[0])
+    diagonal = diagonal if max(abs(nearest[0]), abs(nearest[1])) < DIAGONAL_BL else 0.0
+    # Beside a companion it changes its pace, in line with it its way.
+    shift = DIAGONAL_TURN * min(diagonal, 0.0) * (1.0 if nearest[1] > 0.0 else -1.0)
+    align = rule[ALIGNMENT] * temper.alignment * (RESTING_ORDER + (1.0 - RESTING_ORDER) * travels)
+    align *= share
+    along = rule[INERTIA] + keep[0] + align * (heading[0] * x + heading[1] * y)
+    aside = keep[1] + shift + align * (heading[1] * x - heading[0] * y)
+    size = np.sqrt(along * along + aside * aside)
+    noise = rule[NOISE_RAD] * temper.noise
+    turn = np.arctan2(aside, along) + noise * float(minds.deviation[i, 0])
+    climb = keep[2] + levelling + FLATTENING * share * rise + align * heading[2]
+    climb += CLIMBING * noise * float(minds.deviation[i, 1]) * size
+    along, aside = size * np.cos(turn), size * np.sin(turn)
+    urge = along * x - aside * y, along * y + aside * x, climb
+    pace = CRUISING
+    if count > 0:
+        pace = share * speed / fishes.fast[i] + ALONG * keep[0]
+        pace += DIAGONAL_PACE * (diagonal if nearest[0] < 0.0 else -diagonal)
+    return urge, plus(heading, ahead), pace
 
 
 @kernel
@@ -193,7 +262,8 @@ def guide_schools(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             minds.patience[i] -= np.float32(clock.dt)
         toward = minus(vector(minds.waypoint[school]), vector(fishes.position[i]))
         there = norm(toward) < NEAR_GOAL_BL * fishes.length[i]
-        if there and is_informed(i, school, clock):
+        rule = minds.rules[minds.school_rule[i]]
+        if there and is_informed(i, school, rule, clock):
             minds.patience[school] = 0.0
     for i in range(len(minds.leader)):
         done = minds.patience[i] <= 0.0 and minds.errand[i] <= 0.0

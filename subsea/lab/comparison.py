@@ -26,7 +26,8 @@ Row = dict[str, float | None]  # None: nothing to measure
 _SUMS = "fishes", "splits", "not_rejoined"
 _MOST = "longest_split_s"
 _OF_SCHOOLS = (
-    "fishes", "cruising_share", "polarisation_median", "polarisation_p5", "nearest_bl.p5",
+    "fishes", "cruising_share", "polarisation_median", "polarisation_p5", "rotation_median",
+    "polarised_share", "milling_share", "swarm_share", "course_deg", "nearest_bl.p5",
     "nearest_bl.p50", "nearest_bl.p95", "splits", "longest_split_s", "not_rejoined",
 )  # fmt: skip
 _INPUTS = "seed", "ticks"

@@ -18,7 +18,7 @@ from subsea.base.progress import count_noun, print_line
 from subsea.base.report_files import check_plots
 from subsea.lab import measures
 from subsea.lab.plots import RECORD_PLOTS, plot
-from subsea.lab.schooling import School, schools, splits
+from subsea.lab.schooling import School, schools, splits, states
 from subsea.media.record import Record, read_record
 
 Measured = dict[str, Any]  # by name, for JSON
@@ -136,6 +136,9 @@ def _school(school: School, end: float) -> Measured:
         "cruising_share": _share(school.cruises),
         "polarisation_median": _percentile(cruising, 50),
         "polarisation_p5": _percentile(cruising, 5),
+        "rotation_median": _percentile(school.rotation[school.cruises], 50),
+        **{f"{name}_share": _rounded(share) for name, share in states(school).items()},
+        "course_deg": _course_deg(school),
         "nearest_bl": {
             f"p{k}": _percentile(school.distances, k) for k in (5, 50, 95)
         },
@@ -150,6 +153,16 @@ def _school(school: School, end: float) -> Measured:
     }  # fmt: skip
 
 
+def _course_deg(school: School) -> float | None:
+    """Compute the direction in which a school went in the second half of a record, degrees."""
+    late = school.time > 0.5 * school.time[-1]
+    if not late.any():
+        return None
+    weight, course = school.polarisation[late], school.course[late]
+    east, north = (weight * np.cos(course)).sum(), (weight * np.sin(course)).sum()
+    return _rounded(np.degrees(np.arctan2(north, east)))
+
+
 def _captures(record: Record) -> Measured:
     caught = measures.captures(record)
     together, alone = (
@@ -160,7 +173,11 @@ def _captures(record: Record) -> Measured:
         }
         for number, seconds in zip(caught.caught, caught.exposed_s, strict=True)
     )
-    return {"lost": caught.lost, "prey_in_company": together, "prey_alone": alone}
+    hunts = measures.predation(record)
+    return {
+        "lost": caught.lost, "attacks": hunts.attacks, "successful_attacks": hunts.captures,
+        "prey_in_company": together, "prey_alone": alone,
+    }  # fmt: skip
 
 
 def _mating(record: Record) -> Measured:

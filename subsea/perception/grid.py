@@ -12,6 +12,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.geometry.vector import Vector, dot, minus, store, vector
 from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
+from subsea.state.school_rules import LATERAL_LINE_BL, SIGHT_BL
 
 CELLS_EACH, CELLS_MORE = 16, 16384  # most cells: per point, and in addition
 FEW = 48  # most points for which a pass over all is faster than cells
@@ -188,6 +189,18 @@ def farthest(place: Array, p: Vector, found: Ints) -> float:
 
 
 @kernel
+def _farthest_kept(place: Array, p: Vector, kept: Ints) -> float:
+    """A guess as of `farthest`, from a list of which some members may have been removed."""
+    square = 0.0
+    for k in kept:
+        if k < 0:
+            return MISSING * MARGIN * math.sqrt(square) if square > 0.0 else np.inf
+        away = minus(vector(place[k]), p)
+        square = max(square, dot(away, away))
+    return MARGIN * math.sqrt(square)
+
+
+@kernel
 def insert(found: Ints, cost: Array, member: int, price: float) -> bool:
     """Insert a member into `found`, sorted by cost, then index; False if it costs too much."""
     slot = len(found) - 1
@@ -202,8 +215,8 @@ def insert(found: Ints, cost: Array, member: int, price: float) -> bool:
     return True
 
 
-REACH_CM = 110.0  # range of companions ...
-SCHOOL_CM = 300.0  # ... and of fishes that school, which also see them
+REACH_CM = 110.0  # range of companions of fishes that do not school
+MISSING = 1.6  # factor on the range in which a fish that lost companions looks for more
 CELL_CM = 60.0  # large enough that few cells are empty
 
 
@@ -217,12 +230,16 @@ def grid_of(fishes: Fishes, kind: int) -> Grid:
 def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, grid: Grid) -> None:
     """Set `minds.neighbour` of the fishes `who`: the nearest within reach in the grid.
 
-    The grid has all fishes of their species. Equal distances are ordered by index, so the result
-    does not depend on the order of `who`.
+    `companions.keep_perceived` then removes what a schooling fish does not perceive. The grid has
+    all fishes of their species. Equal distances are ordered by index, so the result does not depend
+    on the order of `who`.
     """
     gaps = np.empty(minds.neighbour.shape[1])
     for i in who:
         here = vector(fishes.position[i])
-        reach = SCHOOL_CM if minds.schools[i] else REACH_CM
-        guess = farthest(fishes.position, here, minds.neighbour[i])
+        reach, guess = REACH_CM, farthest(fishes.position, here, minds.neighbour[i])
+        if minds.schools[i]:
+            rule = minds.rules[minds.school_rule[i]]
+            reach = max(rule[SIGHT_BL], rule[LATERAL_LINE_BL]) * float(fishes.length[i])
+            guess = _farthest_kept(fishes.position, here, minds.neighbour[i])
         nearest(grid, here, reach, i, minds.neighbour[i], gaps, guess)

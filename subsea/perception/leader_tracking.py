@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
-from subsea.geometry.vector import store, times, vector
+from subsea.geometry.vector import minus, norm, store, times, vector
 from subsea.kernels import kernel
+from subsea.perception.companions import sees_school
 from subsea.perception.vision import sees_fish
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
@@ -69,8 +70,10 @@ def schools_of(fishes: Fishes, minds: Minds) -> Schools:
 
 
 @kernel
-def watch_schools(who: Ints, minds: Minds, schools: Schools, clock: Clock) -> None:
-    """Update place and size of the schools without a leader, for the fishes `who` of them.
+def watch_schools(
+    who: Ints, fishes: Fishes, minds: Minds, nature: Nature, schools: Schools, clock: Clock
+) -> None:
+    """Update place and size of the schools without a leader, for the fishes `who` that see theirs.
 
     The place is the middle of all fishes of the school: fishes pass on where it is, as they do
     with the place of a leader.
@@ -79,6 +82,10 @@ def watch_schools(who: Ints, minds: Minds, schools: Schools, clock: Clock) -> No
         if minds.schools[i] and not minds.led[i]:
             school = minds.leader[i] if minds.leader[i] >= 0 else i
             size = schools.size[school]
+            middle = times(1.0 / size, vector(schools.middle[school]))
+            gap = norm(minus(middle, vector(fishes.position[i])))
+            if not sees_school(fishes, minds, i, nature, gap):
+                continue
             minds.leader_seen[i] = clock.tick * clock.dt
             minds.school_size[i] = size
-            store(minds.leader_place[i], times(1.0 / size, vector(schools.middle[school])))
+            store(minds.leader_place[i], middle)

@@ -15,6 +15,7 @@ from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share, side_by_side
 from subsea.perception import (
     collision,
+    companions,
     foraging,
     leader_tracking,
     mates,
@@ -98,8 +99,9 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     for kind, grid in survey.fellows.items():
         looks += cut(find_neighbours, who[kinds == kind], LEAST_PART, fishes, minds, grid)
     run_all(looks, shared=len(who) >= 2 * LEAST_PART)
+    share(companions.keep_perceived, who, LEAST_PART, fishes, minds, nature)
     leader_tracking.watch_leader(who, fishes, minds, seen, clock)
-    leader_tracking.watch_schools(who, minds, survey.schools, clock)
+    leader_tracking.watch_schools(who, fishes, minds, nature, survey.schools, clock)
     # Foraging needs the companions of prey.
     if len(hunting):
         rivals.perceive_rivals(hunting, fishes, minds, survey.around.hunters)

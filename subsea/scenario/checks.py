@@ -15,6 +15,7 @@ from subsea.scenario.schema import (
     MAX_SEAWEED,
     Scenario,
 )
+from subsea.scenario.school_rules import MAX_RULES, SchoolRules
 from subsea.scenario.shoals import Shoals, numbers_of, shoals_of
 
 # Tables with a place.
@@ -42,6 +43,7 @@ def findings(scenario: Scenario) -> Findings:
         yield from _outside(key, place, scenario)
     yield from _misnamed(scenario)
     yield from _misfits(scenario)
+    yield from _unruly(scenario)
     for k, tour in enumerate(scenario.tour):
         before = None
         for i, point in enumerate(tour.waypoint):
@@ -114,6 +116,7 @@ def _misnamed(scenario: Scenario) -> Findings:
         if point.follow is not None
     ]
     tours = [tour.name for tour in scenario.tour]
+    names += [(f"school.species.{name}", "fish", name, living) for name in scenario.school.species]
     directions = [direction.name for direction in scenario.direction]
     for k, direction in enumerate(scenario.direction):
         if direction.after is not None:
@@ -167,6 +170,43 @@ def _misfits(scenario: Scenario) -> Findings:
         if fault:
             yield UserError(f"`{key}` {table.fish}: {fault}", key=key)
         seen.add(table.fish)
+
+
+def _unruly(scenario: Scenario) -> Findings:
+    """Find rules of schools that contradict each other, and too many different ones."""
+    different: list[SchoolRules] = []
+    for k, shoal in enumerate(scenario.fish):
+        rules = scenario.rules_of(shoal)
+        different += [] if rules in different else [rules]
+        near, far = rules.attraction_bl or 0.0, rules.full_attraction_bl or 0.0
+        shares = sum(goal.share for goal in rules.goals or ())
+        for name, broken, fault in (
+            ("separation_bl", (rules.separation_bl or 0.0) > near,
+             f"{rules.separation_bl:g}: expected at most {near:g}, that of `attraction_bl`"),
+            ("full_attraction_bl", far <= near,
+             f"{far:g}: expected more than {near:g}, that of `attraction_bl`"),
+            ("goals", shares > 1.0, f"have shares of {shares:g}: expected at most 1 in all"),
+        ):  # fmt: skip
+            if broken:
+                key = _key_of_rule(scenario, k, name)
+                yield UserError(f"`{key}` {fault}", key=key)
+        for i, goal in enumerate(rules.goals or ()):
+            yield from _outside(
+                f"{_key_of_rule(scenario, k, 'goals')}[{i}].position_cm", goal.position_cm, scenario
+            )
+    if len(different) > MAX_RULES:
+        many = len(different)
+        yield UserError(f"{many} different rules of schools, expected at most {MAX_RULES}")
+
+
+def _key_of_rule(scenario: Scenario, shoal: int, name: str) -> str:
+    """Return the key of the table that gives a rule to a shoal."""
+    species = scenario.fish[shoal].species
+    if getattr(scenario.fish[shoal].rules, name) is not None:
+        return f"fish[{shoal}].rules.{name}"
+    if getattr(scenario.school.species.get(species), name, None) is not None:
+        return f"school.species.{species}.{name}"
+    return f"school.{name}"
 
 
 class _Sea(NamedTuple):

@@ -78,6 +78,8 @@ def _short(struct: msgspec.Struct) -> Content:
 def _plain(value: Any) -> Any:
     if isinstance(value, msgspec.Struct):
         return _short(value)
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
     return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
 
 

@@ -7,6 +7,7 @@ import msgspec
 from subsea.fish.character import TRAIT_RANGE, Trait
 from subsea.fish.species import BodyLength
 from subsea.scenario.directions import MAX_DIRECTIONS, Coordinate, Direction, Flow, Habit
+from subsea.scenario.school_rules import SchoolRules, SchoolTable, merged
 
 WaterType = Literal["I", "IB", "II", "III", "1C", "3C", "5C", "9C"]
 Rgb = tuple[float, float, float]
@@ -171,6 +172,7 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     male_share: Share = 0.5
     likes: list[Habit] = []  # Tu §7.3
     schooling: bool | None = None  # None: the species'
+    rules: SchoolRules = SchoolRules()  # of its schools, where they differ from `[school]`
     hunger: Share | None = None  # initial internal urge; None: random
     libido: Share | None = None
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
@@ -438,10 +440,16 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     tour: list[TourTable] = []
     direction: Annotated[list[Direction], msgspec.Meta(max_length=MAX_DIRECTIONS)] = []
     nature: NatureTable = NatureTable()
+    school: SchoolTable = SchoolTable()  # rules of all schools
     individual: list[IndividualTable] = []
     physics: PhysicsTable = PhysicsTable()
     # Number of the nearest fishes that are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
+
+    def rules_of(self, shoal: Shoal) -> SchoolRules:
+        """Merge the rules of a shoal: of all schools, of its species, and its own."""
+        of_species = self.school.species.get(shoal.species, SchoolRules())
+        return merged([self.school, of_species, shoal.rules])
 
     @property
     def species(self) -> list[str]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
 from subsea.kernels.struct_ref import Kind, by_pointer
+from subsea.scenario.school_rules import MAX_RULES
 from subsea.state.codes import (
     ANYONE,
     BAIT,
@@ -54,6 +55,7 @@ from subsea.state.declaration import (
     submarine,
     written_by,
 )
+from subsea.state.school_rules import RULE_COLUMNS, USUAL_RULES
 
 NEVER = float("inf")
 MOST = 2**31 - 1  # counts and waiting times are below
@@ -209,6 +211,12 @@ class Minds(NamedTuple):
     ways: Annotated[U8, creation("n"), "how it lives on stone: bits HIDES, BATHES and CLEANS"]
     territory: Annotated[F32, creation("n", unit="cm"), "radius about its home that it guards"]
     scavenges: Annotated[BOOL, creation("n"), "whether it follows the odour of food and blood"]
+    rules: Annotated[
+        F64,
+        creation(MAX_RULES, RULE_COLUMNS, start=USUAL_RULES),
+        "rules of schools, columns SEPARATION_BL to GOALS of `state/school_rules.py`",
+    ]
+    school_rule: Annotated[U8, creation("n"), "row of `rules` by which it schools"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
     leader_place: Annotated[
@@ -218,6 +226,7 @@ class Minds(NamedTuple):
     ]
     leader_seen: Annotated[F32, perception("n", unit="s", start=-NEVER), "world time of that"]
     school_size: Annotated[F32, perception("n"), "fishes of its school, if that has no leader"]
+    company_mood: Annotated[F32, perception("n"), "mean `mood` of its neighbours of the school"]
     threat: Annotated[FISH, perception("n"), "fish with the most imminent collision, or NOBODY"]
     barrier: Annotated[
         I32,
@@ -313,6 +322,12 @@ class Minds(NamedTuple):
         FISH, behavior("n"), "whom a schooling fish follows, or by whom its school is known"
     ]
     leads: Annotated[BOOL, behavior("n"), "whether others follow it, or a school is known by it"]
+    mood: Annotated[F32, behavior("n"), "of a schooling fish: -1 feeds, 0 cruises, 1 is alarmed"]
+    deviation: Annotated[
+        F32,
+        behavior("n", 3),
+        "noise of heading, climb and speed in a school, in standard deviations",
+    ]
     partner: Annotated[FISH, behavior("n"), "fish that it courts; mutual from CIRCLING on"]
     courtship: Annotated[COURTSHIP_STATE, behavior("n"), "code in COURTSHIP"]
     courtship_time: Annotated[F32, behavior("n", unit="s"), "time in this state"]

@@ -22,7 +22,12 @@ LIVING = (
     "fishes.", "minds.", "directions.", "live.",
     "sea.plankton", "sea.absent", "sea.hook", "sea.catch", "odour.amount", "odour.total",
 )  # fmt: skip
-INHABITANTS = ("individual", "hook", "direction")  # tables of a scenario, besides its shoals
+INHABITANTS = (
+    "individual",
+    "hook",
+    "direction",
+    "school",
+)  # tables of a scenario, besides its shoals
 
 CLEAR_CM = 40.0  # distance of fishes from seabed and surface when moved out of a solid
 

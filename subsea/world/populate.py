@@ -20,6 +20,7 @@ from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
+from subsea.scenario.school_rules import SchoolRules
 from subsea.state import (
     BATHES,
     CLEANS,
@@ -33,6 +34,7 @@ from subsea.state import (
     Reef,
     Sea,
 )
+from subsea.state.school_rules import rule_row
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
@@ -51,6 +53,7 @@ def populate(world: World, rng: np.random.Generator) -> None:
     fishes, minds = world.state.fishes, world.state.minds
     species = dict(zip(scenario.species, world.species, strict=True))
     slow = SEGMENTS.index("swim_slow")
+    rules: list[SchoolRules] = []
     first = 0
     for shoal, number in zip(scenario.fish, world.shoal_sizes, strict=True):
         kind = list(species).index(shoal.species)
@@ -63,6 +66,9 @@ def populate(world: World, rng: np.random.Generator) -> None:
         fishes.identity[these] = rng.uniform(0, 1, number)
         schooling = species[shoal.species].schooling if shoal.schooling is None else shoal.schooling
         minds.schools[these], minds.led[these] = schooling, shoal.is_led
+        own = scenario.rules_of(shoal)
+        rules += [] if own in rules else [own]
+        minds.school_rule[these] = rules.index(own)
         fishes.burst[these] = burst_speed(library, kind)
         fishes.ram[these] = species[shoal.species].least_speed
         if heights := species[shoal.species].cruise_height:
@@ -100,6 +106,8 @@ def populate(world: World, rng: np.random.Generator) -> None:
             minds.waypoint[these] = shoal.toward_cm
             minds.patience[these] = RESOLVE_S
         first += number
+    for row, one in enumerate(rules):
+        minds.rules[row] = rule_row(one)
     for table in scenario.individual:
         if table.fish < len(fishes.species):  # fewer fishes were asked for than the scenario has
             apply_individual(fishes, minds, table, 0.0)

@@ -17,6 +17,7 @@ from subsea.behavior.courtship import ease_display
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
 from subsea.behavior.mental_state import update_mental_state
+from subsea.behavior.moods import update_moods
 from subsea.behavior.steering import ease_goals
 from subsea.behavior.table import (
     BEHAVIOR_OF_DESIRE,
@@ -192,6 +193,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
 
     hunting.advance_hunts(who, fishes, minds, clock)
     share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
+    share(update_moods, who, LEAST_MINDS, fishes, minds, nature)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     share(choose_intention, free, LEAST_MINDS, minds, nature, *table)

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from subsea.behavior import leading, schooling
+from subsea.behavior.school_goals import is_informed
 from subsea.geometry.rotation import x_axis
+from subsea.scenario.school_rules import USUAL
 from subsea.state import FEAR, PREY
+from subsea.state.school_rules import ATTENDED, ATTRACTION, NOISE_RAD, PACE_NOISE, REST
 from subsea.world.populate import heading_quaternion
 
 HERE = np.array([0.0, 0.0, -300.0])
@@ -20,8 +23,15 @@ def _school(tank, *places_bl, n=None):
     t.fishes.position[:] = HERE
     t.fishes.position[1 : len(places_bl) + 1] += 20.0 * np.array(places_bl, float).reshape(-1, 3)
     t.minds.leader_place[:] = HERE
+    t.minds.leader_seen[:] = 0.0
     t.minds.school_size[:] = len(t.minds.leader)
     t.minds.neighbour[0, : len(places_bl)] = np.arange(1, len(places_bl) + 1)
+    return t
+
+
+def _calm(t):
+    """The same school without noise, and always on its way."""
+    t.minds.rules[:, [NOISE_RAD, PACE_NOISE, REST]] = 0.0
     return t
 
 
@@ -33,29 +43,43 @@ def _urge(t, i=0):
 @pytest.mark.parametrize(("gap_bl", "sign"), [(0.4, -1.0), (0.95, 0.0), (2.0, 1.0)])
 def test_neighbours_repel_near_and_attract_far(tank, gap_bl, sign):
     """Between the two distances only the heading, x, counts; the goal lies ahead."""
-    t = _school(tank, (0.0, gap_bl, 0.0))
+    t = _calm(_school(tank, (0.0, gap_bl, 0.0)))
     t.minds.waypoint[0] = HERE + (500.0, 0.0, 0.0)
     assert np.sign(np.round(_urge(t)[1], 6)) == sign
 
 
 def test_it_aligns_with_neighbours(tank):
-    t = _school(tank, (0, 0.95, 0), (0, -0.95, 0))
+    t = _calm(_school(tank, (0, 0.95, 0), (0, -0.95, 0)))
     t.minds.waypoint[0] = HERE
     north = np.array([0.5, 0.5, 0.5, 0.5])
     t.fishes.orientation[1:] = north
-    np.testing.assert_allclose(_urge(t), [1 / 5**0.5, 2 / 5**0.5, 0.0], atol=1e-5)
+    expected = np.array([USUAL.inertia, USUAL.alignment, 0.0])
+    np.testing.assert_allclose(_urge(t), expected / np.linalg.norm(expected), atol=1e-5)
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_it_attends_to_as_many_neighbours_as_its_rules_say(tank, number):
+    """The farther of two on the left is the second."""
+    t = _calm(_school(tank, (0, 0.95, 0), (0, 3, 0)))
+    t.minds.waypoint[0] = HERE
+    t.minds.rules[0, ATTENDED] = number
+    assert (_urge(t)[1] > 0.1) == (number == 2)
 
 
 def test_it_keeps_the_speed_of_its_neighbours_and_hurries_behind_them(tank):
     speeds = []
     for ahead in (0.95, 3.0):
-        t = _school(tank, (ahead, 0.0, 0.0))
+        t = _calm(_school(tank, (ahead, 0.0, 0.0)))
+        t.minds.rules[0, ATTRACTION] = 2.0
         t.fishes.velocity[1] = 0.7 * t.fishes.fast[0], 0.0, 0.0
         t.run(schooling.act, 0)
         speeds.append(float(t.fishes.goal_speed[0]))
     share = schooling.TENDENCY
-    assert speeds[0] == pytest.approx((1 - share) * 0.7 + share * schooling.CRUISING, abs=1e-4)
-    assert speeds[1] > speeds[0] + 0.1
+    # Straight behind its neighbour it closes up, to have it as far aside as ahead.
+    nudge = schooling.DIAGONAL_PACE * 0.95 * (1 - share)
+    expected = (1 - share) * 0.7 + share * schooling.CRUISING + nudge
+    assert speeds[0] == pytest.approx(expected, abs=1e-4)
+    assert speeds[1] > expected - nudge + 0.1
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -74,11 +98,12 @@ def test_it_passes_an_obstacle_on_the_side_of_its_company(tank, side):
 def test_few_know_the_destination(tank):
     """The one that the school is known by, and a fifth of the others, the same ones later."""
     t = tank(1)
-    later = t.at(3000).clock
-    knows = [schooling.is_informed(i, 0, t.clock) for i in range(2000)]
+    rule, later = t.minds.rules[0], t.at(3000).clock
+    knows = [is_informed(i, 0, rule, t.clock) for i in range(2000)]
     assert knows[0]
-    assert np.mean(knows) == pytest.approx(schooling.INFORMED, abs=0.03)
-    assert knows == [schooling.is_informed(i, 0, later) for i in range(2000)]
+    assert np.mean(knows) == pytest.approx(USUAL.informed, abs=0.005)
+    assert 1 <= np.sum(knows[1:11]) <= 3
+    assert knows == [is_informed(i, 0, rule, later) for i in range(2000)]
 
 
 def test_a_fish_outside_its_school_heads_for_the_middle(tank):

@@ -187,6 +187,8 @@ class Workshop:
         self.folder, self.done, self.kinds = folder, set(), set()
         for name in ("assets", "repertoires"):
             (folder / name).symlink_to(ROOT / name)
+        (folder / "docs").mkdir()
+        (folder / "docs/studies").symlink_to(ROOT / "docs/studies")
         for name in ("made", "my", "some", "kept"):
             (folder / name).mkdir()
         (folder / "sea.toml").write_text(SEA)

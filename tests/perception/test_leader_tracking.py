@@ -57,7 +57,9 @@ def test_a_school_without_a_leader_knows_its_middle(tank):
     t.minds.schools[:], t.minds.leader[1:5], t.minds.led[4] = True, 0, True
     t.fishes.position[:] = np.arange(18.0).reshape(6, 3)
     t.fishes.alive[3] = False
-    watch_schools(np.arange(6), t.minds, schools_of(t.fishes, t.minds), t.at(10).clock)
+    t.minds.light[:] = 1.0
+    schools = schools_of(t.fishes, t.minds)
+    watch_schools(np.arange(6), t.fishes, t.minds, t.nature, schools, t.at(10).clock)
     middle = t.fishes.position[:3].mean(axis=0)
     np.testing.assert_allclose(t.minds.leader_place[:3], np.tile(middle, (3, 1)), rtol=1e-6)
     assert t.minds.school_size[[0, 1, 2, 5]].tolist() == [3, 3, 3, 1]

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.perception.grid import REACH_CM, SCHOOL_CM, find_neighbours, grid_of
+from subsea.perception.grid import REACH_CM, find_neighbours, grid_of
+from subsea.scenario.school_rules import USUAL
 from subsea.state import NEIGHBOURS, Fishes, Minds, empty
 
 
@@ -67,7 +68,9 @@ def test_fishes_that_do_not_think_keep_their_neighbours(seed, stride):
 
 def test_fishes_that_school_look_farther():
     fishes, minds = empty(Fishes, n=3), empty(Minds, n=3, b=1, d=1)
-    fishes.position[1, 0], fishes.position[2, 0] = SCHOOL_CM - 1.0, 2.0 * SCHOOL_CM
+    fishes.length[:] = 20.0
+    reach = USUAL.sight_bl * 20.0
+    fishes.position[1, 0], fishes.position[2, 0] = reach - 1.0, 2.0 * reach
     minds.schools[0] = True
     _find(np.arange(3), fishes, minds)
     assert minds.neighbour[:, 0].tolist() == [1, -1, -1]
