@@ -43,7 +43,7 @@ SMALL = 0.2  # a fish yields to none below this share of its length: the small o
 BRUSHED = 0.5  # ... and a hunter in a rush to none below this share
 LEVEL_OFF = 0.15  # slope of the way off the seabed and the surface
 HEAD_ON = 0.05  # sine of the angle to an obstacle's normal below which both sides are equal
-SIDE_PURPOSE = np.int64(150)  # key of the random numbers
+SIDE_PURPOSE = np.int64(167)  # key of the random numbers
 BARRIERS = 1 << 20  # beside the numbers of fishes, those of barriers in keys
 
 

@@ -35,7 +35,7 @@ CLEANED_S = 9.0  # of picking take away the whole itch
 JOLT_S = 16.0  # mean time until a client jolts
 GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim
 MEALS_S = 3.0  # digestion that a second of picking covers, s
-JOLT_PURPOSE = np.int64(122)  # key of the random numbers
+JOLT_PURPOSE = np.int64(165)  # key of the random numbers
 
 
 @kernel

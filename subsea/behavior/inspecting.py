@@ -23,7 +23,7 @@ INSPECTS_S, RESTS_S = 14.0, 60.0  # longest inspection, and time until the next 
 NEAREST = 0.92  # share of f1 of the fear at which a fish comes no nearer
 PACE = 0.55  # greatest share of the fastest speed
 ARRIVED_BL = 1.5  # distance from the place beside the predator at which a fish turns back
-BOLDNESS_PURPOSE = np.int64(83)  # key of the random numbers
+BOLDNESS_PURPOSE = np.int64(163)  # key of the random numbers
 
 
 @kernel

@@ -31,8 +31,8 @@ REST_S = 20.0  # a school decides this often whether to rest ...
 SETTLES_S = 4.0  # ... takes this long to stop or set out ...
 SPREAD_S = 3.0  # ... and its fishes do so one after the other within this time
 PACE_TIMES = 2.0  # time constant of the speed's noise, over that of the heading's
-REST_PURPOSE = np.int64(82)  # keys of the random numbers
-HEADING_PURPOSE, PACE_PURPOSE = np.int64(83), np.int64(84)
+REST_PURPOSE = np.int64(160)  # keys of the random numbers
+HEADING_PURPOSE, PACE_PURPOSE = np.int64(161), np.int64(162)
 
 
 class Temper(NamedTuple):

@@ -49,7 +49,7 @@ LEAST_ROAM = 0.4  # ... at this share of its radius or more
 HOVERS, BRISK = 0.25, 0.735  # limits between these
 OWN_PACE_S = 2.0  # time constant with which a fish that begins to wander finds its own pace
 RESTLESS = 2.0  # power of the activity by which pauses are rarer
-ACTIVITY_PURPOSE = np.int64(121)  # key of the random numbers
+ACTIVITY_PURPOSE = np.int64(166)  # key of the random numbers
 ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) for key in range(4))
 
 
