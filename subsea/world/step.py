@@ -212,9 +212,9 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
 
     share(ease, everyone, LEAST_PART, fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
-    living = fishes.alive.copy()
+    before = fishes.alive.copy()
     hunting.inhale(fishes, minds, sea, clock)
-    release_catches(world.state.odour, fishes.position[living & ~fishes.alive])
+    release_catches(world.state.odour, fishes.position[before & ~fishes.alive])
     biting.bite(fishes, minds, sea, clock)
     if len(sea.stock):
         grazing.bite(fishes, minds, sea, clock)
