@@ -100,7 +100,11 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
-    """Urge off the obstacle before fish i."""
+    """Urge off the obstacle before fish i.
+
+    Once it turns, it goes on to the same side until the reaction is over: between two stones it
+    would waver, and stay.
+    """
     ahead, barrier = x_axis(fishes.orientation[i]), minds.barrier[i]
     if barrier in (SEABED, SURFACE):
         slope = LEVEL_OFF if barrier == SEABED else -LEVEL_OFF
@@ -115,6 +119,9 @@ def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -
     else:
         out = from_rock(sea.rocks[barrier - pillars], eye)[0]
     across = ahead[0] * out[1] - ahead[1] * out[0]
+    if minds.busy[i] > 0.0:
+        turning = ahead[0] * minds.urge[i, 1] - ahead[1] * minds.urge[i, 0]
+        across = turning if abs(turning) > HEAD_ON else across
     if abs(across) < HEAD_ON:
         side = _side(minds, i, BARRIERS + barrier, clock)
     else:

@@ -59,6 +59,19 @@ def test_a_fish_passes_a_solid_on_the_side_on_which_it_is(tank, side):
 
 
 @pytest.mark.parametrize("side", [-1, 1])
+def test_a_fish_between_two_stones_keeps_turning_to_one_side(tank, side):
+    t = tank(pillars=[(30.0, 5.0, 10.0, 0.0), (30.0, -5.0, 10.0, 0.0)])
+    first = (1 + side) // 2
+    for k, busy in ((first, 0.0), (1 - first, 0.033), (first, 0.066)):
+        t.minds.barrier[0], t.minds.busy[0] = k, busy
+        t.run(avoiding.act)
+        assert np.sign(t.minds.urge[0, 1]) == (1 if first else -1)
+    t.minds.barrier[0], t.minds.busy[0] = 1 - first, 0.0  # another reaction
+    t.run(avoiding.act)
+    assert np.sign(t.minds.urge[0, 1]) == (-1 if first else 1)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
 def test_a_fish_turns_inward_from_the_wall(tank, side):
     t = tank()
     t.fishes.position[0] = 900.0, 300.0 * side, -300.0
