@@ -40,7 +40,6 @@ SMALL = 0.2  # a fish yields to none below this share of its length: the small o
 LEVEL_OFF = 0.15  # slope of the way off the seabed and the surface
 HEAD_ON = 0.05  # sine of the angle to an obstacle's normal below which both sides are equal
 SIDE_PURPOSE = np.int64(150)  # key of the random numbers
-BARRIERS = 1 << 20  # beside the numbers of fishes, those of barriers in keys
 
 
 @kernel
@@ -83,7 +82,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         before = -dot(away, ahead)
         aside = plus(away, times(before, ahead))
         if norm(aside) < PASSING_BL * fishes.length[i]:
-            side = _side(minds, i, j, clock)
+            side = _side(minds, i, clock)
             aside = (-side * ahead[1], side * ahead[0], 0.01)
         schooling = minds.memory[i] == SCHOOL
         urge = plus(ahead, times(MAKING_ROOM if schooling else ASIDE, unit(aside)))
@@ -122,22 +121,20 @@ def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -
     if minds.busy[i] > 0.0:
         turning = ahead[0] * minds.urge[i, 1] - ahead[1] * minds.urge[i, 0]
         across = turning if abs(turning) > HEAD_ON else across
+    side = 1.0 if across > 0.0 else -1.0
     if abs(across) < HEAD_ON:
-        side = _side(minds, i, BARRIERS + barrier, clock)
-    else:
-        side = 1.0 if across > 0.0 else -1.0
+        side = _side(minds, i, clock)
     return ahead[0] - weight * side * ahead[1], ahead[1] + weight * side * ahead[0], ahead[2]
 
 
 @kernel
-def _side(minds: Minds, i: int, other: int, clock: Clock) -> float:
+def _side(minds: Minds, i: int, clock: Clock) -> float:
     """1 for left, -1 for right: the preferred side, else one at random for each encounter.
 
-    An encounter is with one fish or barrier, `other`, in one reaction, which began `busy` s ago.
+    An encounter is a reaction, which began `busy` s ago.
     """
     difference = minds.preference[i, LEFT] - minds.preference[i, RIGHT]
     if difference == 0.0:
         began = clock.tick - np.int64(round(float(minds.busy[i]) / clock.dt))
-        chance = uniform(clock.seed, i, began + (np.int64(other) << 40), SIDE_PURPOSE)
-        return 1.0 if chance < 0.5 else -1.0
+        return 1.0 if uniform(clock.seed, i, began, SIDE_PURPOSE) < 0.5 else -1.0
     return 1.0 if difference > 0.0 else -1.0
