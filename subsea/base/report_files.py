@@ -77,9 +77,9 @@ class Report:
     findings: Sequence[RangeCheck]
     sources: Mapping[str, str]  # by the keys that findings name
     extent: str = ""  # a sentence above the table of a page
-    below: Sequence[str] = ()  # lines below it
     more: Mapping[str, Any] = field(default_factory=dict)  # beside the findings in JSON
     plots: Mapping[str, Draw] = field(default_factory=dict)  # by name of the file
+    below: Sequence[str] = ()  # lines of a page below the table
 
 
 @dataclass(frozen=True)

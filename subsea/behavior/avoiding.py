@@ -38,13 +38,12 @@ SLOWED = 0.35  # share of the fastest speed while a fish ahead passes
 CAREFUL = 0.6  # largest share while it rounds an obstacle
 PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 AROUND = 0.4  # weight of turning aside from an obstacle against keeping the course
-INWARD = 0.8  # likewise from the wall of the sea
+INWARD = 1.5  # likewise from the wall of the sea: so far that large fishes turn sharply
 SMALL = 0.2  # a fish yields to none below this share of its length: the small one yields ...
 BRUSHED = 0.5  # ... and a hunter in a rush to none below this share
 LEVEL_OFF = 0.15  # slope of the way off the seabed and the surface
 HEAD_ON = 0.05  # sine of the angle to an obstacle's normal below which both sides are equal
 SIDE_PURPOSE = np.int64(167)  # key of the random numbers
-BARRIERS = 1 << 20  # beside the numbers of fishes, those of barriers in keys
 
 
 @kernel
@@ -101,7 +100,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         before = -dot(away, ahead)
         aside = plus(away, times(before, ahead))
         if norm(aside) < PASSING_BL * fishes.length[i]:
-            side = _side(minds, i, j, clock)
+            side = _side(minds, i, clock)
             aside = (-side * ahead[1], side * ahead[0], 0.01)
         schooling = minds.memory[i] == SCHOOL
         urge = plus(ahead, times(MAKING_ROOM if schooling else ASIDE, unit(aside)))
@@ -118,7 +117,11 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
-    """Urge off the obstacle before fish i."""
+    """Urge off the obstacle before fish i.
+
+    Once it turns, it goes on to the same side until the reaction is over: between two stones it
+    would waver, and stay.
+    """
     ahead, barrier = x_axis(fishes.orientation[i]), minds.barrier[i]
     if barrier in (SEABED, SURFACE):
         slope = LEVEL_OFF if barrier == SEABED else -LEVEL_OFF
@@ -133,22 +136,23 @@ def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -
     else:
         out = from_rock(sea.rocks[barrier - pillars], eye)[0]
     across = ahead[0] * out[1] - ahead[1] * out[0]
+    if minds.busy[i] > 0.0:
+        turning = ahead[0] * minds.urge[i, 1] - ahead[1] * minds.urge[i, 0]
+        across = turning if abs(turning) > HEAD_ON else across
+    side = 1.0 if across > 0.0 else -1.0
     if abs(across) < HEAD_ON:
-        side = _side(minds, i, BARRIERS + barrier, clock)
-    else:
-        side = 1.0 if across > 0.0 else -1.0
+        side = _side(minds, i, clock)
     return ahead[0] - weight * side * ahead[1], ahead[1] + weight * side * ahead[0], ahead[2]
 
 
 @kernel
-def _side(minds: Minds, i: int, other: int, clock: Clock) -> float:
+def _side(minds: Minds, i: int, clock: Clock) -> float:
     """1 for left, -1 for right: the preferred side, else one at random for each encounter.
 
-    An encounter is with one fish or barrier, `other`, in one reaction, which began `busy` s ago.
+    An encounter is a reaction, which began `busy` s ago.
     """
     difference = minds.preference[i, LEFT] - minds.preference[i, RIGHT]
     if difference == 0.0:
         began = clock.tick - np.int64(round(float(minds.busy[i]) / clock.dt))
-        chance = uniform(clock.seed, i, began + (np.int64(other) << 40), SIDE_PURPOSE)
-        return 1.0 if chance < 0.5 else -1.0
+        return 1.0 if uniform(clock.seed, i, began, SIDE_PURPOSE) < 0.5 else -1.0
     return 1.0 if difference > 0.0 else -1.0

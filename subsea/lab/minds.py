@@ -21,7 +21,7 @@ FIELD_DEG = 150.0  # half of the field of view (Tu §6.3)
 SPELL_S = 0.5  # fear that exceeds alarm within this time of the last sight was caused by it
 DAY_H = 7.0, 16.5  # hours without dawn and dusk
 
-# What intentions are for. A budget shows every other intention by its own name.
+# The purposes of intentions. A budget shows every other intention by its own name.
 PURPOSES = {
     "feeding": ("eat", "graze", "pick"),
     "courting": ("mate",),
@@ -152,7 +152,7 @@ def hidden(eyes: Array, places: Array, pillars: Array, rocks: Array) -> Bools:
 
 
 def median_survival(lasted: Array, ended: Bools) -> float:
-    """Estimate the median of durations (k,) of which some were cut off (Kaplan and Meier 1958).
+    """Estimate the median of durations (k,), some of them cut off (Kaplan and Meier 1958).
 
     It is the longest duration where more than half of them outlast all that ended; NaN without any.
     """

@@ -39,6 +39,7 @@ from subsea.state import (
 ANTENNA_BL = 1.0  # length of the ray that detects obstacles (Tu §6.6.1) ...
 ENLARGED = 1.5  # ... and factor on all sizes for fishes with recorded motion (SMC §6.2)
 BERTH_WIDTHS = 1.5  # widths of the body by which obstacles are enlarged
+LOW = 0.4  # factor on both for a fish that keeps to the ground, which has stones about it always
 # The sensitivity region is a box around the body with a margin on all sides ...
 MARGIN_BL = 0.08
 SCHOOLING_BL = 0.02  # in formation (Tu §7.9.2)
@@ -311,8 +312,8 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
     """Set `minds.barrier` of the fishes `who`: the nearest obstacle that a ray ahead meets.
 
     A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body. A flat body
-    enlarges seabed and surface by 1.5 times its height. None for a fish that feeds or hides close
-    to stone.
+    enlarges seabed and surface by 1.5 times its height. A fish that keeps to the ground looks less
+    far and keeps a narrower berth. None for a fish that feeds or hides close to stone.
     """
     for i in who:
         if fishes.close[i]:
@@ -320,18 +321,22 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
             continue
         antenna = caution(minds, i, nature) * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
-        minds.barrier[i] = nearest_barrier(fishes, i, sea, held * antenna)
+        share = LOW if minds.cruise_height[i, 0] < np.inf else 1.0
+        minds.barrier[i] = nearest_barrier(
+            fishes, i, sea, share * held * antenna, share * BERTH_WIDTHS
+        )
 
 
 @kernel
-def nearest_barrier(fishes: Fishes, i: int, sea: Sea, antenna: float) -> int:
+def nearest_barrier(fishes: Fishes, i: int, sea: Sea, antenna: float, widths: float) -> int:
     """The obstacle that a ray of `antenna` cm ahead of fish i meets, or -1.
 
-    Of several it is the one whose boundary is nearest to the eye (Tu §6.6.1). An obstacle within
-    the berth of the fish counts only if the fish heads for it.
+    Obstacles are enlarged by a berth of `widths` widths of the body. Of several it is the one whose
+    boundary is nearest to the eye (Tu §6.6.1). An obstacle within the berth of the fish counts only
+    if the fish heads for it.
     """
-    berth = BERTH_WIDTHS * float(fishes.girth[i, 1])
-    level = BERTH_WIDTHS * float(min(fishes.girth[i, 0], fishes.girth[i, 1]))
+    berth = widths * float(fishes.girth[i, 1])
+    level = widths * float(min(fishes.girth[i, 0], fishes.girth[i, 1]))
     eye, ahead = eye_of(fishes, i), ahead_of(fishes, i)
     tip = plus(eye, times(antenna, ahead))
     found, nearest = -1, NEVER

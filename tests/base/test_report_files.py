@@ -11,7 +11,7 @@ from subsea.base.report_files import Report, ReportFiles
 ROWS = [RangeCheck("fusilier", "stride", 0.5, " L", 0.6, 0.8, "videler_1991")]
 REPORT = Report(
     ROWS, {"videler_1991": "Videler"}, "Three seeds.", {"seeds": [1, 2, 3]},
-    {"a.png": lambda figure: figure.subplots()},
+    {"a.png": lambda figure: figure.subplots()}, ["Budgets: none."],
 )  # fmt: skip
 
 
@@ -25,7 +25,7 @@ def test_all_files_are_of_one_report(tmp_path, capsys):
     assert stored["seeds"] == [1, 2, 3] and stored["findings"][0]["value"] == 0.5
     page = files.page.read_text()
     assert page.startswith("# Validation\n\n<!-- made by subsea me -->\n\nThree seeds.\n")
-    assert "- `videler_1991`: Videler." in page
+    assert "- `videler_1991`: Videler.\n\nBudgets: none.\n" in page
     assert [path.name for path in files.plots.iterdir()] == ["a.png"]
     files.check(REPORT.plots, force=False)  # its own files are replaced
 

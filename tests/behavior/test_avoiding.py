@@ -61,6 +61,19 @@ def test_a_fish_passes_a_solid_on_the_side_on_which_it_is(tank, side):
 
 
 @pytest.mark.parametrize("side", [-1, 1])
+def test_a_fish_between_two_stones_keeps_turning_to_one_side(tank, side):
+    t = tank(pillars=[(30.0, 5.0, 10.0, 0.0), (30.0, -5.0, 10.0, 0.0)])
+    first = (1 + side) // 2
+    for k, busy in ((first, 0.0), (1 - first, 0.033), (first, 0.066)):
+        t.minds.barrier[0], t.minds.busy[0] = k, busy
+        t.run(avoiding.act)
+        assert np.sign(t.minds.urge[0, 1]) == (1 if first else -1)
+    t.minds.barrier[0], t.minds.busy[0] = 1 - first, 0.0  # another reaction
+    t.run(avoiding.act)
+    assert np.sign(t.minds.urge[0, 1]) == (-1 if first else 1)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
 def test_a_fish_turns_inward_from_the_wall(tank, side):
     t = tank()
     t.fishes.position[0] = 900.0, 300.0 * side, -300.0
@@ -79,13 +92,13 @@ def test_a_fish_climbs_from_the_seabed_and_dives_from_the_surface(tank, barrier,
 
 
 def test_where_both_sides_are_equal_chance_decides_once_for_each_encounter(tank):
-    """An encounter has one side in all its ticks; one that begins later has its own."""
+    """A reaction has one side in all its ticks; one that begins later has its own."""
     n = 200
 
-    def sides(tick, began=40, seed=1, other=n):
+    def sides(tick, began=40, seed=1):
         t = tank(n + 2, seed=seed).at(tick)
         t.fishes.position[n:] = 15.0, 0.0, -300.0
-        t.minds.threat[:n] = other
+        t.minds.threat[:n] = n + tick % 2
         t.minds.busy[:n] = (tick - began) * t.clock.dt
         t.run(avoiding.act, *range(n))
         return np.sign(t.minds.urge[:n, 1])
@@ -94,7 +107,7 @@ def test_where_both_sides_are_equal_chance_decides_once_for_each_encounter(tank)
     assert 0.35 < (first > 0).mean() < 0.65
     for tick in (41, 47, 60, 3000):
         assert (sides(tick) == first).all()
-    for others in (sides(40, seed=2), sides(41, began=41), sides(40, other=n + 1)):
+    for others in (sides(40, seed=2), sides(41, began=41)):
         assert 0.3 < (others == first).mean() < 0.7
 
 

@@ -56,6 +56,9 @@ FAULTS = {
         ("[skin.dorsal]", "[skin.ventral]", "skin.dorsal"),
         ("amplitude = 0.92,", "amplitude = 0.92, slip = 0.5,", "a slip or none"),
         ("tip_lag = 0.6", "tip_lag = 6.0", "tip_lag"),
+        ("cruise_height = [0.45, 1.0]", "cruise_height = [1.0, 0.45]", "lowest height first"),
+        ("cruise_height = [0.45, 1.0]", "cruise_height = [0.0, 1.0]", "cruise_height[0]"),
+        ("cruise_height = [0.45, 1.0]", "cruise_height = [0.45, 51.0]", "cruise_height[1]"),
     ],
 }
 

@@ -211,7 +211,7 @@ def test_bearings_from_above_are_even_for_fishes_at_random():
 
 @pytest.mark.parametrize(("bearing", "oblique"), [(45.0, True), (135.0, True), (90.0, False)])
 def test_neighbours_aside_and_obliquely_are_told_apart(bearing, oblique):
-    """Pairs of which the nearest is at that bearing, and so at its supplement for the other."""
+    """Pairs: one fish has the nearest at that bearing, the other at its supplement."""
     angle = np.radians(bearing)
     pairs = np.array([[20.0 * k, 0.0, 0.0] for k in range(5)])
     places = np.vstack([pairs, pairs + (np.cos(angle), np.sin(angle), 0.0)])

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.geometry.rotation import from_matrix
 from subsea.perception.collision import (
+    BERTH_WIDTHS,
     ENLARGED,
     HELD,
     crowds_of,
@@ -243,11 +244,20 @@ def test_a_flat_body_needs_less_room_above_the_seabed(tank, girth, found):
     assert _barrier(t) == found
 
 
+@pytest.mark.parametrize(("apart", "found"), [(10.0, 0), (20.0, -1)])
+def test_a_fish_that_keeps_to_the_ground_minds_only_near_stones(tank, apart, found):
+    """Its antenna is 0.4 times 30 cm; the berth is 0.6 widths of 2 cm."""
+    t = tank(pillars=[(7.0 + apart + 10.0, 0.0, 10.0, -100.0)])
+    assert _barrier(t) == 0
+    t.minds.barrier[0], t.minds.cruise_height[0] = -1, (10.0, 20.0)
+    assert _barrier(t) == found
+
+
 def test_an_antenna_is_as_long_as_asked(tank):
     t = tank(pillars=[(60, 0, 10, -100)])  # 40 cm before the eye, with the berth
     bodies, scene = t.fishes, t.sea
-    assert nearest_barrier(bodies, 0, scene, 39.9) == -1
-    assert nearest_barrier(bodies, 0, scene, 40.1) == 0
+    assert nearest_barrier(bodies, 0, scene, 39.9, BERTH_WIDTHS) == -1
+    assert nearest_barrier(bodies, 0, scene, 40.1, BERTH_WIDTHS) == 0
     t.minds.barrier[0] = -1
     assert _barrier(t) == -1
     t.minds.intention[0], t.minds.barrier[0] = AVOID, 0

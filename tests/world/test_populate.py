@@ -42,6 +42,15 @@ def test_clownfish_live_at_the_nearest_anemone():
     assert minds.home_range.tolist() == [100.0, 100.0, 100.0, np.inf]
 
 
+def test_rays_keep_to_the_ground_by_their_length_and_others_do_not():
+    scenario = load_scenario(str(BARE)).scenario
+    shoals = [Shoal(species=name, number=2) for name in ("spotted_eagle_ray", "fusilier")]
+    world = create_world(structs.replace(scenario, fish=shoals, tour=[]), 1)
+    length, heights = world.state.fishes.length, world.state.minds.cruise_height
+    np.testing.assert_allclose(heights[:2], length[:2, None] * np.array([0.45, 1.0]), rtol=1e-6)
+    assert np.isinf(heights[2:]).all()
+
+
 def test_no_body_begins_in_a_solid():
     """Sharks whose places lie deep in a rock, whose nearest surface is hard to tell from there."""
     scenario = load_scenario(str(BARE)).scenario

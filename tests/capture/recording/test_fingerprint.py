@@ -17,8 +17,9 @@ def test_it_depends_on_plans_and_code_and_not_on_names_and_colours(monkeypatch):
     shy = structs.replace(species, character=CharacterPlan(timidity=(2.0, 0.0)))
     heavier = structs.replace(species, body=structs.replace(body, water_drag=1.01))
     alone = structs.replace(species, schooling=False)
+    lower = structs.replace(species, cruise_height=(0.5, 1.0))
     assert fingerprint(species) == fingerprint(renamed) == fingerprint(repainted)
-    assert fingerprint(shy) == fingerprint(species)
+    assert fingerprint(species) == fingerprint(lower) == fingerprint(shy)
     before = {fingerprint(one) for one in (species, heavier, alone)}
     assert len(before) == 3
     now = fingerprint(species)
