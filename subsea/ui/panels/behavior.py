@@ -238,7 +238,7 @@ class HabitsScope:
 def habits_panel(context: PanelContext) -> None:
     """Draw the panel of habits (Tu fig. 9.5): sex, kind, likings and character of a fish.
 
-    Settings may be for all of its species. What it feels for others is listed.
+    Settings may be for all of its species. Its feelings for others are listed.
     """
     fish = choose_fish(context)
     if fish is None:
