@@ -283,8 +283,8 @@ def habits_panel(context: PanelContext) -> None:
             _set_habits(context, fish, **{slider.name: value})
     imgui.pop_item_width()
     imgui.separator()
-    _row("feelings")
-    for line in feelings(world, fish) or ["none"]:
+    for k, line in enumerate(feelings(world, fish) or ["none"]):
+        _row("" if k else "feelings")
         imgui.text_disabled(line)
 
 
