@@ -10,14 +10,14 @@ from subsea.kernels import kernel
 from subsea.state import NOBODY, PREDATOR, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
 LEAST = 0.15  # strength below which a feeling has no effect
-OFF_CM, OFF_BL = 80.0, 4.0  # distance kept from who is disliked entirely: this and its lengths
+OFF_CM, OFF_BL = 80.0, 4.0  # distance kept for a dislike of 1: this and lengths of the other
 HULL_OFF_CM = 400.0  # the same of the submarine
 AWAY_CM, AWAY_S = 150.0, 4.0  # way on which a fish goes on when it is far enough, and how long
 LEVEL, ONWARD = 0.3, 0.3  # share of the height, and weight of the present course
 SHUNS = 0.05, 0.5  # desire to keep off, and how it grows with the dislike
 STAYS = 0.015  # desire to stay near: stronger than to wander, weaker than to school
 BESIDE_BL = 3.0  # distance at which it is near, in mean lengths
-CALL_CM = 350.0  # distance from which it comes to who is liked entirely
+CALL_CM = 350.0  # distance from which it comes for a liking of 1
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""What fishes do about those that they like and dislike."""
+"""Fishes keep off those that they dislike, and stay near those that they like."""
 
 import numpy as np
 import pytest

@@ -243,7 +243,7 @@ class HabitsScope:
 def habits_panel(context: PanelContext) -> None:
     """Draw the panel of habits (Tu fig. 9.5): sex, kind, likings and character of a fish.
 
-    Settings may be for all of its species. What it feels for others is listed.
+    Settings may be for all of its species. Its feelings for others are listed.
     """
     fish = choose_fish(context)
     if fish is None:
@@ -288,8 +288,8 @@ def habits_panel(context: PanelContext) -> None:
             _set_habits(context, fish, **{slider.name: value})
     imgui.pop_item_width()
     imgui.separator()
-    _row("feelings")
-    for line in feelings(world, fish) or ["none"]:
+    for k, line in enumerate(feelings(world, fish) or ["none"]):
+        _row("" if k else "feelings")
         imgui.text_disabled(line)
 
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from subsea.behavior.table import INTENTIONS
-from subsea.dive.minds_text import Chart, focus
+from subsea.dive.minds_text import Chart, feelings, focus
 from subsea.scenario.schema import Waypoint
-from subsea.state import EAT, ESCAPE, FEAR, SUBMARINE
+from subsea.state import EAT, ESCAPE, FEAR, NOBODY, SUBMARINE
+from subsea.state.feelings import feel
 from subsea.ui.dive import Dive
 from subsea.ui.gui import LIT
 from subsea.ui.panels import PANELS
@@ -221,6 +222,22 @@ def test_habits_are_set_for_one_fish_or_its_species(still, user, spots):
     assert (minds.schools[kin] != schools[4]).all()
     np.testing.assert_array_equal(minds.schools[~kin], schools[~kin])
     spots.click(still, "this fish alone", 0.1)
+
+
+def test_the_character_of_a_fish_is_set_and_its_feelings_are_told(still, user, spots):
+    minds, fishes = still.world.state.minds, still.world.state.fishes
+    opened(still, user, "Habits", 5)
+    before = minds.timidity.copy()
+    spots.drag(still, "timidity", 0.3, 0.9)
+    assert minds.timidity[5] > 2.0
+    np.testing.assert_array_equal(np.delete(minds.timidity, 5), np.delete(before, 5))
+    assert feelings(still.world, 5) == []
+    feel(minds, 5, SUBMARINE, 0.3)
+    feel(minds, 5, 8, -0.8)
+    name = still.world.species[fishes.species[8]].name
+    assert feelings(still.world, 5) == [f"dislikes {name} 8 80%", "likes the submarine 30%"]
+    user.glide(still, 0.2)
+    minds.liked[5], minds.liking[5] = NOBODY, 0.0
 
 
 def test_time_is_paused_stepped_and_rewound(still, user, spots):
