@@ -29,7 +29,7 @@ from subsea.state import (
 STILL_KEEN = 0.6  # share of `keen` below which a courting fish stops
 DEVOTED = 1.5  # least desire of a courting fish over `keen`
 LOST_CM = 250.0  # distance at which a partner is out of sight
-REST_S = 30.0  # after spawning, before a fish courts again
+REST_S = 120.0  # after spawning, before a fish courts again
 SHUN_S = 45.0  # how long a fish shuns a former partner
 APART_CM = 260.0  # distance of the place to which it turns away
 RETURN_BL = 2.0  # how far below the start of their rush a pair returns to, in body lengths
@@ -71,7 +71,7 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
     """Begin a courtship with the most desirable fish in sight, unless fish i has a partner.
 
     A male approaches her. A female follows a male that does not intend to mate, and hovers while
-    one approaches her. One that courts another is no mate for her (`perception/mates.py`).
+    one approaches her. She does not mind a male that courts another (`perception/mates.py`).
     """
     for i in who:
         j = minds.target[i]

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
 from subsea.behavior.death import forget
-from subsea.habitat.day import ardour
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
@@ -37,6 +36,7 @@ LIBIDO_RATE = 0.025  # 1/s: libido is full 40 s after a mating
 DREAD_CM = 200.0  # D0
 FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food tempts from 20 cm, fully at 5 cm
 MATE_STIMULUS = (0.025, 0.1)
+DUSK = (15.0, 16.5, 19.0, 20.0)  # hours at which courtship begins, is full, fades and is over
 
 
 @kernel
@@ -67,6 +67,18 @@ def update_mental_state(
             minds.mental[i, LIBIDO] = share * min(max(urge + mate, 0.0), 1.0)
         fear = minds.fright[i] if minds.fright[i] >= 0.0 else minds.menaces[i]
         minds.mental[i, FEAR] = min(fear, 1.0) if minds.kind[i] == PREY else 0.0
+
+
+@kernel
+def ardour(hour: float, by_day: float) -> float:
+    """Compute the share of libido at an hour: 1 about dusk, else `by_day`.
+
+    Reef fishes that release eggs into open water spawn at dusk (Thresher 1984).
+    """
+    begins, full, fades, ends = DUSK
+    share = min(max((hour - begins) / (full - begins), 0.0), 1.0)
+    share *= min(max((ends - hour) / (ends - fades), 0.0), 1.0)
+    return by_day + (1.0 - by_day) * share
 
 
 @kernel
