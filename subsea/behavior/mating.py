@@ -29,7 +29,7 @@ from subsea.state import (
 STILL_KEEN = 0.6  # share of `keen` below which a courting fish stops
 DEVOTED = 1.5  # least desire of a courting fish over `keen`
 LOST_CM = 250.0  # distance at which a partner is out of sight
-REST_S = 120.0  # after spawning, before a fish courts again
+REST_S = 30.0  # after spawning, before a fish courts again
 SHUN_S = 45.0  # how long a fish shuns a former partner
 APART_CM = 260.0  # distance of the place to which it turns away
 RETURN_BL = 2.0  # how far below the start of their rush a pair returns to, in body lengths
