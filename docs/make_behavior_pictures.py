@@ -23,7 +23,7 @@ from subsea.geometry.rotation import matrix
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
-from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
+from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING, SPAWNING
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.display_rigs import display_rig
@@ -48,10 +48,10 @@ def courtship_plate() -> Image.Image:
     moments = [
         ("Two males loop before her", (FEMALE, LARGE, SMALL), _rivalry, 25.0, 18.0),
         ("The smaller turns to another", (SMALL, BUTTERFLY), _flirt, 60.0, 5.0),
-        ("Circling", (FEMALE, LARGE), _lasting(LARGE, CIRCLING, 7.0), 60.0, 22.0),
-        ("Spawning ascent", (FEMALE, LARGE), _lasting(LARGE, ASCENDING, 5.5), 75.0, 0.0),
+        ("Circling", (FEMALE, LARGE), _lasting(LARGE, CIRCLING, 5.0), 60.0, 22.0),
+        ("Spawning ascent", (FEMALE, LARGE), _lasting(LARGE, ASCENDING, 3.0), 75.0, 0.0),
         ("Nuzzling", (FEMALE, LARGE), _lasting(LARGE, NUZZLING, None), 75.0, 0.0),
-        ("Angelfish spawn", (HIS_MATE, ANGEL), _lasting(ANGEL, NUZZLING, None), 75.0, 0.0),
+        ("Spawning rush", (HIS_MATE, ANGEL), _lasting(ANGEL, SPAWNING, 0.9), 60.0, 10.0),
     ]
     rows = -(-len(moments) // BESIDE)
     plate = Image.new("RGB", (CELL[0] * BESIDE, CELL[1] * rows))
@@ -75,12 +75,14 @@ def courtship_plate() -> Image.Image:
 def seeds_plate(seeds: Sequence[int]) -> Figure:
     """The states of the three males with each seed, and how often the film played."""
     figure, axes = plt.subplots(1, 3, figsize=(11, 3.2), sharey=True, layout="constrained")
-    colours = ListedColormap(["0.93", *plt.get_cmap("viridis")(np.linspace(0.15, 0.95, 5))])
+    colours = ListedColormap(
+        ["0.93", *plt.get_cmap("viridis")(np.linspace(0.15, 0.95, len(COURTSHIP) - 1))]
+    )
     names = {LARGE: "larger male", SMALL: "smaller male", ANGEL: "angelfish"}
     courted = np.array([_courted(seed) for seed in seeds])
     for axis, (fish, name) in zip(axes, names.items(), strict=True):
         axis.imshow(
-            courted[:, :, fish], cmap=colours, vmin=0, vmax=5, aspect="auto",
+            courted[:, :, fish], cmap=colours, vmin=0, vmax=len(COURTSHIP) - 1, aspect="auto",
             interpolation="nearest", extent=(0, LIMIT_S, len(seeds), 0),
         )  # fmt: skip
         axis.set(
@@ -91,7 +93,7 @@ def seeds_plate(seeds: Sequence[int]) -> Figure:
     figure.legend(handles=handles, loc="outside right center")
     whole = [all(_completes(one[:, fish]) for fish in (LARGE, ANGEL)) for one in courted]
     print(
-        f"larger male and angelfish from approach to nuzzling: {sum(whole)} of {len(seeds)} seeds"
+        f"larger male and angelfish from approach to spawning: {sum(whole)} of {len(seeds)} seeds"
     )
     left = [_is_turned_down(one[:, SMALL]) for one in courted]
     print(f"smaller male turned down: {sum(left)} of {len(seeds)} seeds")

@@ -63,7 +63,7 @@ ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # angle beyond which he circle
 TURNS = 2.0  # that she makes before they ascend
 RISE_BL = 2.5  # height of her ascent, in her body lengths ...
 CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
-RISING, LEAST_RISE = 0.7, 0.15  # share of the fastest speed of her ascent; while he is behind
+RISING, LEAST_RISE = 0.7, 0.08  # share of the fastest speed of her ascent; while he is behind
 WAITS_BL = 0.7  # distance of their middles from which she waits for him
 STEEP = 0.78  # slope of her ascent: the motor system's steepest
 FOLLOWED_BL = 0.8  # distance from her abdomen at which he has kept up
@@ -229,6 +229,7 @@ def _keep_up(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
     behind = plus(abdomen_of(fishes, j), times(-BEHIND_BL * length, x))
     toward = minus(plus(behind, (0.0, 0.0, -BELOW_BL * length)), mouth_of(fishes, i))
     distance = norm(toward)
+    scull(fishes, i, toward, KEEPING_BL_S)
     if distance > BESIDE_BL * length:
         share = min(distance / length, 1.0)
         fishes.goal_speed[i] = share * careful(steer(fishes, minds, i, toward))
@@ -236,7 +237,6 @@ def _keep_up(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
     steer(fishes, minds, i, plus(x, times(1.0 / length, toward)))
     own = norm(vector(fishes.velocity[j])) + dot(toward, x) / KEEP_S
     fishes.goal_speed[i] = min(max(own / float(fishes.fast[i]), 0.0), 1.0)
-    scull(fishes, i, toward, KEEPING_BL_S)
 
 
 @kernel

@@ -73,7 +73,7 @@ def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clo
     """Begin a courtship with the most desirable fish in sight, unless fish i has a partner.
 
     A male approaches her. A female follows a male that does not intend to mate, and hovers while
-    one approaches her. One that courts another is no mate for her (`perception/mates.py`).
+    one approaches her. She does not mind a male that courts another (`perception/mates.py`).
     """
     for i in who:
         j = minds.target[i]

@@ -15,7 +15,6 @@ from subsea.behavior.death import forget
 from subsea.behavior.threat_memory import felt_fear, grow_used
 from subsea.fish.character import draw_character
 from subsea.fish.species import Species
-from subsea.habitat.day import ardour
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
@@ -44,6 +43,7 @@ DREAD_CM = 200.0  # D0
 SEAS_OWN = -1.0  # dusk and mild of a fish to which the constants of all fishes apply
 FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food tempts from 20 cm, fully at 5 cm
 MATE_STIMULUS = (0.025, 0.1)
+DUSK = (15.0, 16.5, 19.0, 20.0)  # hours at which courtship begins, is full, fades and is over
 
 
 @kernel
@@ -79,6 +79,18 @@ def update_mental_state(
         grow_used(fishes, minds, i, sea, nature)
         fear = felt_fear(fishes, minds, i, sea, nature)
         minds.mental[i, FEAR] = min(minds.fright[i] if minds.fright[i] >= 0.0 else fear, 1.0)
+
+
+@kernel
+def ardour(hour: float, by_day: float) -> float:
+    """Compute the share of libido at an hour: 1 about dusk, else `by_day`.
+
+    Reef fishes that release eggs into open water spawn at dusk (Thresher 1984).
+    """
+    begins, full, fades, ends = DUSK
+    share = min(max((hour - begins) / (full - begins), 0.0), 1.0)
+    share *= min(max((ends - hour) / (ends - fades), 0.0), 1.0)
+    return by_day + (1.0 - by_day) * share
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from subsea.base.arrays import Bools, Ints
 from subsea.behavior.chasing import burst, set_urge
 from subsea.behavior.manoeuvring import heading_of, scull
-from subsea.geometry.vector import minus, plus, vector
+from subsea.geometry.vector import dot, minus, plus, unit, vector
 from subsea.kernels import kernel
 from subsea.state import Clock, Fishes, Minds, Sea
 
@@ -18,6 +18,7 @@ STEEP = 1.4  # slope of the urge: the motor system turns as far up as it can
 BESIDE = 0.8  # of the mean width of both bodies, from middle to middle, and ...
 BESIDE_BL = 0.12  # ... of their mean length
 LIFT_BL_S, JOINING_BL_S = 0.8, 1.0  # by fins: how fast both rise, and he keeps beside her
+WAITS_BL, WAITS, LEAST = 0.3, 0.8, 0.3  # the one ahead slows down: from where, slope, least share
 CEILING_BL, CEILING_CM = 0.8, 6.0  # depth under the surface at which it ends
 
 
@@ -32,16 +33,18 @@ def rush(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
         burst(fishes, minds, i)
         # Neither leaves the other behind.
         theirs = max(fishes.burst[j], np.float32(1.0)) * fishes.fast[j]
-        fishes.goal_speed[i] = min(fishes.goal_speed[i], theirs / fishes.fast[i])
+        gap = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+        ahead = dot(gap, unit(vector(minds.urge[i]))) / float(fishes.length[i])
+        share = min(max(1.0 - WAITS * (ahead - WAITS_BL), LEAST), 1.0)
+        fishes.goal_speed[i] = min(fishes.goal_speed[i], share * theirs / fishes.fast[i])
         length = float(fishes.length[i])
         scull(fishes, i, (0.0, 0.0, 1.0 * length), LIFT_BL_S)
         if minds.male[i]:
-            away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
-            left = -np.sin(course) * away[0] + np.cos(course) * away[1]
-            gap = BESIDE * 0.5 * (fishes.girth[i, 1] + fishes.girth[j, 1])
-            gap += BESIDE_BL * 0.5 * (length + fishes.length[j])
-            gap = gap if left >= 0.0 else -gap
-            beside = (-gap * np.sin(course), gap * np.cos(course), 0.0)
+            left = -np.sin(course) * gap[0] + np.cos(course) * gap[1]
+            room = BESIDE * 0.5 * (fishes.girth[i, 1] + fishes.girth[j, 1])
+            room += BESIDE_BL * 0.5 * (length + fishes.length[j])
+            room = room if left >= 0.0 else -room
+            beside = (-room * np.sin(course), room * np.cos(course), 0.0)
             place = plus(vector(fishes.position[j]), beside)
             scull(fishes, i, minus(place, vector(fishes.position[i])), JOINING_BL_S)
 

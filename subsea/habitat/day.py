@@ -5,7 +5,6 @@ The hour is a function of the tick, so a dive that goes back in time goes back i
 
 import math
 
-from subsea.kernels import kernel
 from subsea.state import Clock, Nature, Sea
 
 HOURS = 24.0
@@ -14,7 +13,6 @@ DAY_MINUTE_S = 60.0
 # finds the day fully bright: the sun 15 degrees below the horizon and 37 degrees above it.
 NIGHT, FULL_DAY = -0.25, 0.6
 NIGHT_SIGHT = 0.45  # share of the range of sight that is left in moonlight
-DUSK = (15.0, 16.5, 19.0, 20.0)  # hours at which courtship begins, is full, fades and is over
 
 
 def hour_at(start: float, day_minutes: float, time_s: float) -> float:
@@ -51,15 +49,3 @@ def in_daylight(nature: Nature, daylight: float) -> Nature:
     """
     share = NIGHT_SIGHT + (1.0 - NIGHT_SIGHT) * float(daylight)
     return nature._replace(vision_cm=share * nature.vision_cm)
-
-
-@kernel
-def ardour(hour: float, by_day: float) -> float:
-    """Compute the share of libido at an hour: 1 about dusk, else `by_day`.
-
-    Reef fishes that release eggs into open water spawn at dusk (Thresher 1984).
-    """
-    begins, full, fades, ends = DUSK
-    share = min(max((hour - begins) / (full - begins), 0.0), 1.0)
-    share *= min(max((ends - hour) / (ends - fades), 0.0), 1.0)
-    return by_day + (1.0 - by_day) * share

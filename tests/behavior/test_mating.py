@@ -264,6 +264,7 @@ def test_a_short_interruption_does_not_end_a_courtship(tank):
 
 def test_after_the_last_nudge_both_rush_up_side_by_side(tank):
     t = _bay(tank)
+    t.fishes.position[1] = 0.0, 5.0, -300.0
     _pair(t, 1, NUZZLING)
     t.minds.courtship_count[1] = NUDGES
     t.run(mating.act)
@@ -273,6 +274,9 @@ def test_after_the_last_nudge_both_rush_up_side_by_side(tank):
         assert urge[2] > 0.7 * np.linalg.norm(urge)
     np.testing.assert_allclose(t.minds.urge[1], t.minds.urge[FEMALE])
     assert (t.fishes.goal_speed >= 1.0).all()
+    t.fishes.position[1] = 30.0, 5.0, -300.0
+    t.run(mating.act)
+    assert t.fishes.goal_speed[1] < 0.7, "the one ahead waits"
 
 
 def test_after_the_rush_both_have_mated_part_and_return_to_the_depth(tank):

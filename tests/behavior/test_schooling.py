@@ -48,6 +48,17 @@ def test_neighbours_repel_near_and_attract_far(tank, gap_bl, sign):
     assert np.sign(np.round(_urge(t)[1], 6)) == sign
 
 
+def test_by_night_a_school_at_ease_disperses_but_an_alarmed_one_stays_close(tank):
+    ways = []
+    for daylight, fear in ((1.0, 0.0), (0.0, 0.0), (0.0, 0.6)):
+        t = _school(tank, (0.0, 1.5, 0.0))
+        t.minds.waypoint[0] = HERE + (500.0, 0.0, 0.0)
+        t.sea.sky[1], t.minds.mental[:, FEAR] = daylight, fear
+        ways.append(_urge(t)[1])
+    assert ways[0] > 0.0 > ways[1]
+    assert ways[2] > 0.0
+
+
 def test_it_aligns_with_neighbours(tank):
     t = _calm(_school(tank, (0, 0.95, 0), (0, -0.95, 0)))
     t.minds.waypoint[0] = HERE

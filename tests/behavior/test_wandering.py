@@ -64,6 +64,17 @@ def test_waypoints_lie_in_free_water(tank):
     assert (gap > wandering.FREE_CM - 1).mean() > 0.95
 
 
+def test_by_night_fishes_roam_nearer_to_the_ground(tank):
+    heights = []
+    for daylight in (1.0, 0.0):
+        t = tank(400)
+        t.sea.sky[1], t.minds.patience[:] = daylight, 0.0
+        t.fishes.position[:, 2] = -450.0
+        t.run(wandering.act)
+        heights.append(t.minds.waypoint[:, 2].mean())
+    assert heights[1] < heights[0] - 20.0
+
+
 def test_a_leader_waits_for_followers_left_behind(tank):
     speeds = []
     for far in (50.0, 500.0):
