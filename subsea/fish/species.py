@@ -208,6 +208,8 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             sizes = getattr(self.body, key, None) or 1.0
             if (min(sizes) if isinstance(sizes, tuple) else sizes) < LEAST_SIZE:
                 raise ValueError(f"[body] {key}: expected numbers of at least {LEAST_SIZE:g}")
+        if self.life.territory_cm and not self.home_cm:
+            raise ValueError("[life] territory_cm needs home_cm: a territory is about a home")
         if self.row and not (self.muscles and self.surface.pectoral):
             raise ValueError("[row] needs muscles and [surface] pectoral")
         if self.spine and self.spine.wings and not self.surface.wing:
