@@ -8,6 +8,7 @@ from subsea.geometry.vector import dot, minus, norm, plus, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import (
     ASCEND,
+    BATHE,
     DESCEND,
     LEFT,
     NOBODY,
@@ -15,6 +16,7 @@ from subsea.state import (
     PREY,
     RIGHT,
     SCHOOL,
+    SHELTER,
     Clock,
     Fishes,
     Minds,
@@ -43,6 +45,8 @@ def desire(
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
         if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
+        # In cover, contact alone keeps bodies apart.
+        yields = yields and not (fishes.close[i] and minds.intention[i] in (BATHE, SHELTER))
         panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
         out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
 

@@ -160,7 +160,7 @@ Food = Literal["turf", "polyps", "sponges", "rubble"]  # the first of `state.SIT
 
 
 class LifePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a species lives on stone and among corals."""
+    """The life of a species on stone and among corals."""
 
     eats: list[Food] = []  # on stone; without it, or out of its sight, it eats plankton or prey
     hides: bool = False  # under overhangs and in corals, at a shadow

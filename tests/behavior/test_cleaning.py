@@ -71,7 +71,7 @@ def test_a_cleaner_prefers_a_client_to_its_station(tank):
 
 def test_it_picks_at_the_skin_until_the_itch_is_gone_or_the_client_jolts(tank):
     t = station(tank)
-    t.fishes.position[1] = 5.0, 0.0, -300.0
+    t.fishes.position[1] = 10.0, 0.0, -300.0
     before, eaten = float(t.minds.itch[1]), float(t.minds.eaten[0])
     t.run(cleaning.act, 0)
     assert t.minds.itch[1] < before
