@@ -12,6 +12,7 @@ from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, 
 from subsea.kernels import kernel
 from subsea.state import (
     ASCEND,
+    BATHE,
     DESCEND,
     ESCAPE,
     FEAR,
@@ -23,6 +24,7 @@ from subsea.state import (
     RUSHING,
     SCHOOL,
     SEABED,
+    SHELTER,
     SURFACE,
     WALL,
     Clock,
@@ -66,6 +68,8 @@ def desire(
             yields = minds.mental[i, FEAR] <= nature.alarmed
         if yields and keeps_company(minds, i) and keeps_company(minds, j):
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
+        # In cover, contact alone keeps bodies apart.
+        yields = yields and not (fishes.close[i] and minds.intention[i] in (BATHE, SHELTER))
         bars = minds.barrier[i] != -1
         if minds.hunt[i] == RUSHING and minds.barrier[i] in (SEABED, SURFACE):
             bars = False  # it slides along

@@ -33,6 +33,7 @@ TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the 
 PICKS_HZ = 1.2
 CLEANED_S = 9.0  # of picking take away the whole itch
 JOLT_S = 16.0  # mean time until a client jolts
+AIMED_COS, TURNS = 0.6, 0.05  # angle within which it swims ahead; its speed in a turn
 GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim
 MEALS_S = 3.0  # digestion that a second of picking covers, s
 JOLT_PURPOSE = np.int64(165)  # key of the random numbers
@@ -121,8 +122,15 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
                 fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(0.5 * GLIDES))
             continue
         skin = _skin(fishes, i, j, now)
-        gap = chase(fishes, minds, i, skin, vector(fishes.velocity[j]))
-        fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(GLIDES))
+        toward = minus(skin, mouth_of(fishes, i))
+        gap = norm(toward)
+        if gap > NEAR_BL * length:
+            chase(fishes, minds, i, skin, vector(fishes.velocity[j]))
+            continue
+        set_urge(minds, i, toward)
+        # It turns about on the spot, as a wide turn would lead it away from its client.
+        aimed = dot(x_axis(fishes.orientation[i]), toward) > AIMED_COS * gap
+        fishes.goal_speed[i] = max(GLIDES * min(gap / length, 1.0), TURNS) if aimed else TURNS
         if gap > TOUCH_BL * length:
             continue
         fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)

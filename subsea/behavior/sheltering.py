@@ -19,6 +19,8 @@ ALARM = 0.8  # desire for cover of a fish under a shadow
 HIDE_S = (6.0, 14.0)  # how long a fish stays after the shadow has gone, by its identity
 SLACK_CM = 3.0  # depth below its cover that a body may reach
 NEAR_BL, NEAR_CM = 3.0, 60.0  # distance at which it goes in: the larger of both
+DOOR_CM, DOOR_COS = 25.0, 0.3  # the door of a crevice, and who is before it
+STAYS_BL, LOSES_S = 1.5, 20.0  # in its cover at last; time after which it tries another one
 INSIDE_BL = 0.6  # distance within which it is in its cover
 HOVERS, SETTLES = 0.03, 0.25  # shares of the fastest speed inside and at the door
 BATHING = 0.4  # desire of a clownfish to bathe
@@ -60,9 +62,17 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         place = vector(sea.site_place[s])
         toward = minus(place, vector(fishes.position[i]))
         far, length = norm(toward), float(fishes.length[i])
-        if far > max(NEAR_BL * length, NEAR_CM):
-            chase(fishes, minds, i, place, ZERO)
-            burst(fishes, minds, i)
+        normal = vector(sea.site_normal[s])
+        before = -dot(toward, normal) > DOOR_COS * far or sea.site_growth[s] >= 0
+        before = before or far < STAYS_BL * length
+        if minds.held[i] > LOSES_S and far > STAYS_BL * length and minds.wary[i] <= 0.0:
+            minds.cover[i] = -1  # perception finds another place
+        if far > max(NEAR_BL * length, NEAR_CM) or (not before and far > INSIDE_BL * length):
+            # Into a crevice by its open side, into a coral from anywhere.
+            door = 0.0 if sea.site_growth[s] >= 0 else DOOR_CM + float(sea.site_depth[s])
+            chase(fishes, minds, i, plus(place, times(door, normal)), ZERO)
+            if minds.wary[i] > 0.0:
+                burst(fishes, minds, i)
             continue
         fishes.close[i], fishes.shell[i] = True, sea.site_depth[s] + SLACK_CM
         if far > INSIDE_BL * length:
@@ -70,7 +80,6 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             fishes.goal_speed[i] = max(SETTLES, min(far / (NEAR_BL * length), 1.0))
         else:
             # It looks out, with its back to the stone.
-            normal = vector(sea.site_normal[s])
             ahead = x_axis(fishes.orientation[i])
             out = plus((0.5 * ahead[0], 0.5 * ahead[1], 0.0), (normal[0], normal[1], 0.0))
             set_urge(minds, i, out if norm(out) > 1e-3 else ahead)

@@ -162,7 +162,7 @@ Food = Literal["turf", "polyps", "sponges", "rubble"]  # the first of `state.SIT
 
 
 class LifePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a species lives on stone and among corals."""
+    """The life of a species on stone and among corals."""
 
     eats: list[Food] = []  # on stone; without it, or out of its sight, it eats plankton or prey
     hides: bool = False  # under overhangs and in corals, at a shadow
@@ -214,6 +214,8 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             sizes = getattr(self.body, key, None) or 1.0
             if (min(sizes) if isinstance(sizes, tuple) else sizes) < LEAST_SIZE:
                 raise ValueError(f"[body] {key}: expected numbers of at least {LEAST_SIZE:g}")
+        if self.life.territory_cm and not self.home_cm:
+            raise ValueError("[life] territory_cm needs home_cm: a territory is about a home")
         if self.row and not (self.muscles and self.surface.pectoral):
             raise ValueError("[row] needs muscles and [surface] pectoral")
         if self.spine and self.spine.wings and not self.surface.wing:

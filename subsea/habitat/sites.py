@@ -35,7 +35,7 @@ CROWNS = {
     "anemone": (0.47, 0.58, 0.60, 0.59, 0.55),
     "rubble": (0.10, 0.15, 0.19, 0.14, 0.16),
 }
-# What each kind offers, and the range of the distance from its axis, over its radius.
+# The food on each kind, and the range of its distance from the axis, over the radius.
 OFFERS: dict[str, tuple[int, float, float]] = {
     "staghorn": (POLYPS, 0.2, 0.7), "bush": (POLYPS, 0.1, 0.65), "table": (POLYPS, 0.2, 0.7),
     "brain": (POLYPS, 0.0, 0.65), "lettuce": (POLYPS, 0.1, 0.6), "finger": (POLYPS, 0.1, 0.65),
@@ -44,8 +44,8 @@ OFFERS: dict[str, tuple[int, float, float]] = {
 }  # fmt: skip
 HIDES = {"staghorn": 22.0, "table": 32.0}  # kinds that hide fishes, from this radius, cm
 HIDDEN = 0.5  # height of a fish that hides in them, over that of the crown
-EACH_CM2 = 140.0  # ground of a growth for each place to feed ...
-MOST = 8  # ... of which a growth has at most so many
+EACH_CM2 = 140.0  # ground of a growth for each place to feed
+MOST = 8  # places on a growth
 TURF_M2 = 7.0  # places to graze per m² of rock or mound
 COVER_M2 = 6.0  # dark places per m² of rock
 LIT = 0.35  # share of the sky's light from which turf grows, ...
@@ -55,7 +55,8 @@ DEEPEST_CM = 24.0  # depth below what fishes avoid at which food is still reache
 ABOVE_CM = 5.0  # least height of places on rock above the sand
 MOUTH_CM = 5.0  # height over food that must be free of other growths
 OUT_CM = 11.0  # of a hidden fish, from the rock
-ROOM_CM = 7.0  # free water around it
+ROOM_CM = 7.0  # free water around it ...
+DOOR_CM = 25.0  # ... and this far before it, out of the shell around stone
 MOUND_SHARE = 0.75  # share of a mound's radius within which turf is grazed
 REGROW_S = 240.0  # until a place that was grazed bare has grown again
 SEED = 0x517E
@@ -95,7 +96,7 @@ def _find(sea: Sea, reef: Reef) -> Sites:
     """All places of the stones and growths of a sea."""
     parts = [_on_rock(sea), *(_on_growth(reef, k) for k in range(len(reef.kind)))]
     kind, place, normal, growth = (np.concatenate(part) for part in zip(*parts, strict=True))
-    # What lies deep in the shell that fishes avoid around stone is out of reach.
+    # No mouth reaches deep into the shell that fishes avoid around stone.
     depth = np.maximum(-clearances(sea.pillars, sea.rocks, place), 0.0)
     reached = depth < DEEPEST_CM
     reached &= np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
@@ -139,6 +140,11 @@ def _on_rock(sea: Sea) -> Rows:
     turf &= chance < TURF_M2 / SPOTS_M2
     hidden = place + OUT_CM * normal
     cover = (light < DARK) & (hidden[:, 2] > sand + ROOM_CM) & (chance < COVER_M2 / SPOTS_M2)
+    # Its door lies in open water.
+    depth = np.maximum(-clearances(sea.pillars, sea.rocks, hidden), 0.0)
+    door = hidden + (DOOR_CM + depth)[:, None] * normal
+    cover &= clearances(sea.pillars, sea.rocks, door) > ROOM_CM
+    cover &= door[:, 2] > sand + ROOM_CM
     stones = formations(sea.pillars, sea.rocks)
     for k in np.flatnonzero(cover):
         cover[k] = min(drawn_distance(blocks, vector(hidden[k])) for blocks in stones) > ROOM_CM

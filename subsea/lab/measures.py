@@ -75,8 +75,9 @@ def clearances(record: Record) -> tuple[Array, Ints]:
 
     Names are indices in BARRIERS. The distance is the least over snout, middle and tail; it is
     negative where one of them is outside the sea or inside an obstacle. Distances from obstacles
-    are those that the fishes perceive; the distance from the seabed is the height above it. Dead
-    fishes are infinitely far away.
+    are those that the fishes perceive; the distance from the seabed is the height above it. Of a
+    fish that feeds or hides at stone, or did so until lately, it is the distance from the drawn
+    stone, which lies in a shell of free water. Dead fishes are infinitely far away.
     """
     shape = record.alive.shape
     least = np.full(shape, np.inf, np.float32)
@@ -86,6 +87,7 @@ def clearances(record: Record) -> tuple[Array, Ints]:
     )
     for points in (record.snout, record.position, record.tail):
         _lower(points, record.alive, barriers, least, which)
+    _from_drawn_stone(record, least, which)
     return least, which
 
 
@@ -129,12 +131,9 @@ class Outside(NamedTuple):
 def outside(record: Record) -> list[Outside]:
     """Count the fish-ticks outside the free water, for each species in a record.
 
-    A fish that struggles on the hook is lifted out of the water and does not count. One that feeds
-    or hides at stone, or did so until lately, counts if it is inside the drawn stone, which lies
-    in a shell of free water.
+    A fish that struggles on the hook is lifted out of the water and does not count.
     """
     gaps, which = clearances(record)
-    _from_drawn_stone(record, gaps, which)
     if "struggle" in record.intention_names:
         gaps[record.intention == record.intention_names.index("struggle")] = np.inf
     rows = []

@@ -417,7 +417,8 @@ def _misplaced(world: World) -> Iterator[str]:
     swims = in_water(world)
     names = [*(f"fish {i}" for i in swims), "the submarine"]
     places = np.concatenate([fishes.position[swims], submarine.position[None]])
-    allowed = np.append(MAX_DEPTH_BL * fishes.length[swims], 0.0)
+    # Those that feed on drawn stone may be in the shell around it.
+    allowed = np.append(MAX_DEPTH_BL * fishes.length[swims] + fishes.shell[swims], 0.0)
     out, deep = out_of_sea(places, sea), depth_in_rock(places, sea)
     for k in np.flatnonzero(out):
         yield f"{names[k]} is out of the sea, at {_words(places[k])}"

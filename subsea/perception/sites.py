@@ -53,15 +53,17 @@ BROWSING = 0.33  # ... for this share: reef fishes feed for much of the day
 STATION_CM, CLEANER_CM = 180.0, 500.0  # around a station; from which a client sees a cleaner
 AWAY_CM = 300.0  # distance of a cleaner from its station at which it has no clients
 ITCHES = 0.35  # itch at which a fish looks for a cleaner
+FAVOURS_CM = 120.0  # by which a favourite place may be farther away ...
+FAVOURS_TICKS = 600  # ... for 20 s, after which it may be another one
 NIGHT_CM = 800.0  # distance from which a fish goes to cover for the night
 DUSK, SMALL_CM = (0.08, 0.3), 12.0  # daylight at which large and small fishes retire
 LARGE_CM = 80.0  # a longer fish casts a shadow that frightens
-OUTSIZED = 3.0  # ... if it is so many times as long as the fish below
+OUTSIZED = 3.0  # ... if it is as many times longer than the fish below
 HULL_HALF_CM = 110.0  # half the length of the submarine
 SHADOW_CM = 500.0  # height from which a shadow frightens
 ADRIFT_CM_S = 10.0  # a slower thing does not
 STEEP = 0.6  # distance aside over the height within which a thing is overhead
-CHOICE_PURPOSE = np.int64(120)  # key of the random numbers
+CHOICE_PURPOSE, COVER_PURPOSE = np.int64(120), np.int64(123)  # keys of the random numbers
 
 SiteGrids = tuple[Grid, Grid, Grid, Grid, Grid, Grid]  # by kind of site
 
@@ -115,10 +117,10 @@ def see_sites(
         if minds.ways[i]:
             minds.dark[i] = rests(fishes, i, sea)
             minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
-            _see_cover(i, fishes, minds, sea, grids, room)
+            _see_cover(i, fishes, minds, sea, clock, grids, room)
         minds.cleaner[i] = minds.client[i] = NOBODY
         if minds.ways[i] & CLEANS:
-            # Whoever poses nearest to its station.
+            # The fish that poses nearest to its station.
             nearest(others.posing, vector(minds.home[i]), STATION_CM, i, one, gap, GUESS_CM)
             if one[0] >= 0 and minds.cleaner[one[0]] == i:
                 minds.client[i] = one[0]
@@ -198,7 +200,7 @@ def browses(fishes: Fishes, i: int, clock: Clock) -> bool:
 
 @kernel
 def _see_cover(
-    i: int, fishes: Fishes, minds: Minds, sea: Sea, grids: SiteGrids, room: Nearest
+    i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock, grids: SiteGrids, room: Nearest
 ) -> None:
     """Set the cover of fish i: its anemone, or the nearest hiding place in sight.
 
@@ -222,17 +224,21 @@ def _see_cover(
     eye = eye_of(fishes, i)
     reach = COVER_CM if afraid else NIGHT_CM
     nearest(grids[COVER], eye, reach, -1, found, gaps, GUESS_CM)
+    least, turn = np.inf, np.int64(clock.tick // FAVOURS_TICKS)
     for k in range(NEAREST):
         if found[k] < 0:
             break
+        # Each fish has its favourites, so that not all come to the same place.
+        cost = gaps[k] + FAVOURS_CM * uniform(clock.seed, i, found[k] + (turn << 40), COVER_PURPOSE)
+        if cost >= least:
+            continue
         height = float(sea.site_depth[found[k]])
         door = plus(
             vector(sea.site_place[found[k]]), times(height, vector(sea.site_normal[found[k]]))
         )
         # By night it goes to a place that it knows.
         if night or gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, door):
-            minds.cover[i] = found[k]
-            break
+            minds.cover[i], least = found[k], cost
 
 
 @kernel
@@ -247,7 +253,7 @@ def rests(fishes: Fishes, i: int, sea: Sea) -> bool:
 
 @kernel
 def shadow_over(fishes: Fishes, i: int, sea: Sea, large: Grid, slots: Ints) -> float:
-    """How dark the shadow is that moves over fish i, 0 to 1.
+    """Measure the darkness of the shadow that moves over fish i, 0 to 1.
 
     The submarine and large fishes cast one on all below them.
     """

@@ -10,7 +10,7 @@ from subsea.perception.grid import near_slots
 from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 FOLLOWS = 1.5  # radii of a territory to which a resident follows an intruder
-OUTSIZED = 4.0  # a fish so many times as long as the resident is let alone
+OUTSIZED = 4.0  # a fish this many times as long as the resident is let alone
 
 
 @kernel

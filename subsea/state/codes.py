@@ -18,7 +18,7 @@ AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
 # Those of a life on stone are rows of the same table.
 GRAZE, BATHE, GUARD, YIELD, SHELTER, POSE, CLEAN = range(9, 16)
 
-# What fishes look for on stone and among corals (`habitat/sites.py`); foods come first.
+# Places that fishes look for on stone and among corals (`habitat/sites.py`); foods come first.
 SITES = ("turf", "polyps", "sponges", "rubble", "anemone", "shelter")
 TURF, POLYPS, SPONGES, RUBBLE, ANEMONE, COVER = range(6)
 # Bits of `Minds.ways`: hides in crevices and corals, bathes in an anemone, cleans others.

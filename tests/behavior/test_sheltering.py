@@ -41,7 +41,7 @@ def test_a_shadow_drives_a_fish_into_cover_for_a_while(tank):
 
 def test_it_hurries_there_and_stays_inside(tank):
     t = covered(tank)
-    t.fishes.burst[:] = 1.5
+    t.fishes.burst[:], t.minds.wary[:] = 1.5, 5.0
     t.run(sheltering.act)
     assert t.fishes.goal_speed[0] > 1.0
     assert not t.fishes.close[0]

@@ -17,6 +17,13 @@ FUSILIER = resource_path("assets/species/fusilier.toml").read_text()
 
 
 FAULTS = {
+    "blue_tang": [
+        ('eats = ["turf"]', 'eats = ["grass"]', "life.eats[0]"),
+        ("hides = true", "hides = 2", "life.hides"),
+        ("hides = true", "territory_cm = 0.0", "life.territory_cm"),
+        ("hides = true", "territory_cm = 60.0", "territory_cm needs home_cm"),
+        ("hides = true", "sleeps = true", "sleeps"),
+    ],
     "fusilier": [
         ("back = [[0.0, 0.007], [0.02, 0.03]", "back = [[0.0, 0.007], [0.0, 0.03]", "back"),
         ("gloss = 0.55", "gloss = 0.5\nmouth = [[0.1, 0.0], [0.1, 0.1]]", "mouth"),
