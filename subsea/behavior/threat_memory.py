@@ -20,7 +20,7 @@ from subsea.kernels import kernel
 from subsea.perception.predators import dread_of_hull, fearfulness
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
-ALARMING = 1.25  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
+ALARMING = 1.4  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
 RECOGNISED = 0.5  # fear of what is in sight, over the fear remembered, to be its cause
 KNOWN = 3.0  # time constants for which a fish knows where the threat was
 ATTENDED = 4  # nearest companions at which a fish looks for alarm

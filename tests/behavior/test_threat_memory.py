@@ -57,7 +57,7 @@ def test_fear_rises_at_once_and_fades_with_its_time_constant(sea):
 
 
 def test_alarm_lasts_even_if_the_threat_was_slight(sea):
-    for menaces, fear in ((0.49, 0.49), (0.51, ALARMING * 0.5), (0.7, 0.7)):
+    for menaces, fear in ((0.49, 0.49), (0.51, ALARMING * 0.5), (0.8, 0.8)):
         sea.minds.mental[0, FEAR] = 0.0
         sea.minds.menace[0] = sea.minds.menaces[0] = menaces
         assert _feels(sea) == pytest.approx(fear)
