@@ -11,7 +11,6 @@ from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar
 FELT_BL = 0.8  # distance, in lengths of the predator, at which its bow wave is felt
-LEAST_DREAD = 0.3  # share of the submarine's D₀ that is left for fishes that are used to it
 
 
 @kernel
@@ -39,7 +38,7 @@ def see_predators(
         if minds.kind[i] == PREY:
             eye = eye_of(fishes, i)
             there = vector(sea.submarine)
-            dread = dread_of_hull(minds, i, nature)
+            dread = nature.submarine_cm * float(minds.hull_dread[i])
             if dread > 0.0 and sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
                 danger = fearfulness(dread, norm(minus(there, eye)))
                 total += min(danger, 1.0)
@@ -65,12 +64,3 @@ def see_predators(
 def fearfulness(dread: float, distance: float) -> float:
     """D₀/d."""
     return dread / max(distance, 1e-6)
-
-
-@kernel
-def dread_of_hull(minds: Minds, i: int, nature: Nature) -> float:
-    """D₀ of the submarine for fish i, cm: halved after `habituation_s` near a harmless hull."""
-    used = float(minds.habituation[i])
-    if used <= 0.0:
-        return nature.submarine_cm
-    return nature.submarine_cm * max(0.5 ** (used / nature.habituation_s), LEAST_DREAD)

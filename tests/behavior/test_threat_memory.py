@@ -7,9 +7,10 @@ from subsea.behavior.threat_memory import (
     ALARM,
     ALARMING,
     LEAST_CALM_S,
-    MOST,
+    LEAST_DREAD,
     RUSH_CM_S,
     WARNED_S,
+    dread_of,
     felt_fear,
     flees_from_memory,
     grow_used,
@@ -17,7 +18,6 @@ from subsea.behavior.threat_memory import (
     knows_threat,
     wariness,
 )
-from subsea.perception.predators import LEAST_DREAD, dread_of_hull
 from subsea.state import FEAR, NEIGHBOURS, NOBODY, PREDATOR, PREY, SUBMARINE
 
 SECOND = 1.0
@@ -125,15 +125,14 @@ def visited(sea):
 def _visit(t, seconds):
     t.minds.pause[:] = seconds
     grow_used(t.fishes, t.minds, 0, t.sea, t.nature)
-    return dread_of_hull(t.minds, 0, t.nature) / t.nature.submarine_cm
+    return dread_of(t.minds, 0, SUBMARINE, t.nature) / t.nature.submarine_cm
 
 
 def test_a_harmless_submarine_is_let_nearer(visited):
     half = visited.nature.habituation_s
-    assert dread_of_hull(visited.minds, 0, visited.nature) == visited.nature.submarine_cm
+    assert dread_of(visited.minds, 0, SUBMARINE, visited.nature) == visited.nature.submarine_cm
     assert _visit(visited, half) == pytest.approx(0.5)
-    assert _visit(visited, 100 * half) == LEAST_DREAD
-    assert visited.minds.habituation[0] == MOST * half
+    assert _visit(visited, 100 * half) == pytest.approx(LEAST_DREAD)
 
 
 def test_a_fast_approach_renews_the_fear(visited):
@@ -152,6 +151,7 @@ def test_habituation_is_forgotten_within_minutes(visited):
 
 
 def test_a_submarine_out_of_reach_or_sight_makes_no_fish_used_to_it(visited):
+    visited.minds.predator[0] = SUBMARINE
     visited.sea.submarine[0] = 1000.0
     assert _visit(visited, 60.0) == 1.0
     visited.sea.submarine[0], visited.minds.predators[0, 0] = 100.0, NOBODY
