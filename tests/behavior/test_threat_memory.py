@@ -25,7 +25,7 @@ SECOND = 1.0
 
 @pytest.fixture
 def sea(tank):
-    """Eight prey of which the first looks at fish 8, a predator 100 cm ahead."""
+    """Eight prey and fish 8, a predator at which the first prey looks, 100 cm ahead."""
     t = tank(9)
     t.minds.kind[:8], t.minds.kind[8] = PREY, PREDATOR
     t.fishes.position[8] = 100.0, 0.0, -300.0
