@@ -46,7 +46,7 @@ LITTLE = "water.plankton=200", "seaweed=[]", "reef=[]"
 
 
 class Watched(NamedTuple):
-    """What was seen of n fishes in T ticks."""
+    """A record of n fishes in T ticks."""
 
     intention: Ints  # (T, n)
     fear: Array  # (T, n)

@@ -126,7 +126,9 @@ def panics(minds: Minds, i: int, nature: Nature) -> bool:
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Turn as the rule says at full speed, and climb or dive away from the predator.
+    """Turn as the rule says, and climb or dive away from the predator.
+
+    At full speed, unless the predator is far and does not come nearer.
 
     A fish with a home flees there.
     """
@@ -149,8 +151,9 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         warned = is_warned(minds, i) and minds.startled[i] >= REFRACTORY_S
         if warned or is_startled(fishes, minds, i, sea, danger):
             start(fishes, minds, i, turn, max(danger.near, 0.0), clock)
-        elif danger.near < 0.0 and not danger.approaches and is_hidden(fishes, minds, i, sea):
-            fishes.goal_speed[i] = FROZEN
+        elif danger.near < 0.0 and not danger.approaches:
+            hidden = is_hidden(fishes, minds, i, sea)
+            fishes.goal_speed[i] = FROZEN if hidden else calming(minds, i, nature)
         if minds.startled[i] < FLIGHT_S:
             burst(fishes, minds, i)
 
@@ -185,12 +188,18 @@ def flee_from_memory(
     above = toward[2] / max(norm(toward), 1e-6)
     heading = np.arctan2(ahead[1], ahead[0]) + turn
     set_urge(minds, i, (np.cos(heading), np.sin(heading), -min(max(above, -STEEP), STEEP)))
-    share = (minds.mental[i, FEAR] - nature.alarmed) / max(1.0 - nature.alarmed, 1e-6)
-    fishes.goal_speed[i] = CAUTIOUS + (1.0 - CAUTIOUS) * min(max(share, 0.0), 1.0)
+    fishes.goal_speed[i] = calming(minds, i, nature)
     if minds.home_range[i] < np.inf:
         set_urge(minds, i, minus(vector(minds.home[i]), vector(fishes.position[i])))
     if is_hidden(fishes, minds, i, sea):
         fishes.goal_speed[i] = FROZEN
+
+
+@kernel
+def calming(minds: Minds, i: int, nature: Nature) -> float:
+    """Share of the fastest speed at which a fish flees that is not pursued: less with its fear."""
+    share = (minds.mental[i, FEAR] - nature.alarmed) / max(1.0 - nature.alarmed, 1e-6)
+    return CAUTIOUS + (1.0 - CAUTIOUS) * min(max(share, 0.0), 1.0)
 
 
 @kernel

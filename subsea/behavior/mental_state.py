@@ -234,5 +234,5 @@ def _forget_all(minds: Minds, i: int) -> None:
     for name in ("busy", "menace", "menaces", "courtship_time", "courtship_count", "alone"):
         getattr(minds, name)[i] = 0.0
     minds.unseen[i] = np.inf
-    minds.habituation[i] = minds.inspection[i] = 0.0
+    minds.inspection[i], minds.hull_dread[i] = 0.0, 1.0
     minds.resumed[i] = False

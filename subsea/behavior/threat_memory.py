@@ -17,11 +17,10 @@ import numpy as np
 
 from subsea.geometry.vector import Vector, dot, minus, norm, store, vector
 from subsea.kernels import kernel
-from subsea.perception.predators import fearfulness
 from subsea.state import ALARM as ALARM_SCENT
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
-ALARMING = 1.25  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
+ALARMING = 1.4  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
 RECOGNISED = 0.5  # fear of what is in sight, over the fear remembered, to be its cause
 KNOWN = 3.0  # time constants for which a fish knows where the threat was
 ATTENDED = 4  # nearest companions at which a fish looks for alarm
@@ -38,7 +37,7 @@ RUSH_CM_S = 70.0  # speed of approach of the submarine from which it is feared a
 RENEWED_S = 1.0  # ... within this time constant
 FORGOTTEN_S = 240.0  # time constant of the habituation's loss
 NEAR = 0.5  # fear of a new submarine, over f0, within which a fish grows used to it
-MOST = 4.0  # largest habituation, in times `habituation_s`
+LEAST_DREAD = 0.3  # share of the submarine's D₀ that is left for fishes that are used to it
 
 
 @kernel
@@ -133,22 +132,23 @@ def grow_used(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
 
     It grows with time near a hull in sight, and is lost at once to one that rushes at the fish.
     """
-    if minds.predator[i] == NOBODY and minds.habituation[i] == 0.0:
+    left = float(minds.hull_dread[i])
+    if minds.predator[i] == NOBODY and left == 1.0:
         return
     pause = float(minds.pause[i])
     toward = minus(vector(fishes.position[i]), vector(sea.submarine[:3]))
     distance = norm(toward)
-    near = fearfulness(nature.submarine_cm, distance) > NEAR * nature.alarmed
-    seen = False
-    for j in minds.predators[i]:
-        seen = seen or j == SUBMARINE
-    used = float(minds.habituation[i])
-    if not near or not seen:
-        minds.habituation[i] = used * math.exp(-pause / FORGOTTEN_S)
+    near = False
+    if NEAR * nature.alarmed * distance < nature.submarine_cm:
+        for j in minds.predators[i]:
+            near = near or j == SUBMARINE
+    if not near:
+        left = 1.0 - (1.0 - left) * math.exp(-pause / FORGOTTEN_S)
     elif dot(vector(sea.submarine[3:6]), toward) > RUSH_CM_S * distance:
-        minds.habituation[i] = used * math.exp(-pause / RENEWED_S)
+        left = 1.0 - (1.0 - left) * math.exp(-pause / RENEWED_S)
     else:
-        minds.habituation[i] = min(used + pause, MOST * nature.habituation_s)
+        left = max(left * 0.5 ** (pause / nature.habituation_s), LEAST_DREAD)
+    minds.hull_dread[i] = left
 
 
 @kernel

@@ -110,6 +110,7 @@ def _release(context: DirectingContext, k: int, names: list[str]) -> None:
             minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
         if name == "fear":
             minds.fright[cue.who] = -1.0
+            minds.mental[cue.who, FEAR] = minds.menaces[cue.who]  # nothing imposed is remembered
         if name == "likes":
             minds.fancy[cue.who] = -1
 

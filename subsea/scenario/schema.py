@@ -361,7 +361,7 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     keen: Share = 0.25
     devotion_cm: Annotated[float, msgspec.Meta(ge=0, le=1e4)] = 25.0
     fatigue_s: Positive = 40.0
-    fear_s: Positive = 20.0
+    fear_s: Positive = 15.0
     habituation_s: Positive = 60.0
     timidity: Annotated[float, msgspec.Meta(ge=0.1, le=5)] = 1.0
     submarine_cm: Annotated[float, msgspec.Meta(ge=0, le=5000)] = 80.0

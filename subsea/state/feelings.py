@@ -13,7 +13,6 @@ from subsea.state.groups import Minds, Nature
 
 FADING_S = 150.0  # time in which a feeling falls to 1/e
 WARY = 0.5  # share by which entire dislike adds to the distance from which a predator is feared
-LEAST_DREAD = 0.3  # share of the submarine's D0 that is left for fishes that are used to it
 FORGOTTEN = 0.05  # strength below which a feeling is gone
 
 
@@ -61,14 +60,11 @@ def fade_feelings(who: Ints, minds: Minds) -> None:
 def dread_of(minds: Minds, i: int, j: int, nature: Nature) -> float:
     """Return D0 of fish i for predator j or SUBMARINE, cm: by its timidity and feeling for it.
 
-    That of the submarine halves after `habituation_s` near a harmless hull.
+    That of the submarine falls as the fish grows used to it.
     """
     dread = float(minds.dread[i])
     if j == SUBMARINE:
-        used = float(minds.habituation[i])
-        dread = nature.submarine_cm
-        if used > 0.0:
-            dread *= max(0.5 ** (used / nature.habituation_s), LEAST_DREAD)
+        dread = nature.submarine_cm * float(minds.hull_dread[i])
     feeling = feeling_for(minds, i, j)
     wary = 1.0 - (WARY if feeling < 0.0 else 1.0) * feeling
     return dread * float(minds.timidity[i]) * wary

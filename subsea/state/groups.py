@@ -294,8 +294,8 @@ class Minds(NamedTuple):
         F32, behavior("n", 3, unit="cm"), "where it last perceived what it fears most"
     ]
     unseen: Annotated[F32, behavior("n", unit="s", start=NEVER), "time since it perceived that"]
-    habituation: Annotated[
-        F32, behavior("n", unit="s"), "harmless time near the submarine, less what it forgot"
+    hull_dread: Annotated[
+        F32, behavior("n", start=1), "share of the submarine's D0 left by habituation, in (0, 1]"
     ]
     inspection: Annotated[
         F32,

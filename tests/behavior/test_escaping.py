@@ -276,6 +276,14 @@ def test_a_flight_goes_on_out_of_sight_and_slows_down_with_the_fear(around):
     assert 1.0 > speeds[0] > speeds[1] > speeds[2] == pytest.approx(CAUTIOUS)
 
 
+@pytest.mark.parametrize(("distance", "pursued"), [(50.0, False), (300.0, True), (300.0, False)])
+def test_it_flees_slowly_from_a_far_predator_that_leaves(around, distance, pursued):
+    fishes, minds = _pair((distance, 0.0, 0.0), np.pi if pursued else 0.0)
+    minds.mental[0, FEAR] = minds.menace[0] = minds.menaces[0] = 0.7
+    act(ONE, fishes, minds, *around, CLOCK)
+    assert (fishes.goal_speed[0] < 1.0) == (distance > CLOSE * DREAD and not pursued)
+
+
 def test_a_fish_without_a_school_freezes_in_cover(tank):
     t = tank(1, rocks=[(30.0, 0.0, -300.0, 20.0, 20.0, 20.0, 0.0)])
     t.minds.kind[0], t.minds.unseen[0], t.minds.startled[0] = PREY, 1.0, np.inf

@@ -7,7 +7,7 @@ from subsea.behavior.threat_memory import (
     ALARM,
     ALARMING,
     LEAST_CALM_S,
-    MOST,
+    LEAST_DREAD,
     RUSH_CM_S,
     WARNED_S,
     felt_fear,
@@ -18,14 +18,14 @@ from subsea.behavior.threat_memory import (
     wariness,
 )
 from subsea.state import FEAR, NEIGHBOURS, NOBODY, PREDATOR, PREY, SUBMARINE
-from subsea.state.feelings import LEAST_DREAD, dread_of
+from subsea.state.feelings import dread_of
 
 SECOND = 1.0
 
 
 @pytest.fixture
 def sea(tank):
-    """Eight prey of which the first looks at fish 8, a predator 100 cm ahead."""
+    """Eight prey and fish 8, a predator at which the first prey looks, 100 cm ahead."""
     t = tank(9)
     t.minds.kind[:8], t.minds.kind[8] = PREY, PREDATOR
     t.fishes.position[8] = 100.0, 0.0, -300.0
@@ -57,7 +57,7 @@ def test_fear_rises_at_once_and_fades_with_its_time_constant(sea):
 
 
 def test_alarm_lasts_even_if_the_threat_was_slight(sea):
-    for menaces, fear in ((0.49, 0.49), (0.51, ALARMING * 0.5), (0.7, 0.7)):
+    for menaces, fear in ((0.49, 0.49), (0.51, ALARMING * 0.5), (0.8, 0.8)):
         sea.minds.mental[0, FEAR] = 0.0
         sea.minds.menace[0] = sea.minds.menaces[0] = menaces
         assert _feels(sea) == pytest.approx(fear)
@@ -132,8 +132,7 @@ def test_a_harmless_submarine_is_let_nearer(visited):
     half = visited.nature.habituation_s
     assert dread_of(visited.minds, 0, SUBMARINE, visited.nature) == visited.nature.submarine_cm
     assert _visit(visited, half) == pytest.approx(0.5)
-    assert _visit(visited, 100 * half) == LEAST_DREAD
-    assert visited.minds.habituation[0] == MOST * half
+    assert _visit(visited, 100 * half) == pytest.approx(LEAST_DREAD)
 
 
 def test_a_fast_approach_renews_the_fear(visited):
@@ -152,6 +151,7 @@ def test_habituation_is_forgotten_within_minutes(visited):
 
 
 def test_a_submarine_out_of_reach_or_sight_makes_no_fish_used_to_it(visited):
+    visited.minds.predator[0] = SUBMARINE
     visited.sea.submarine[0] = 1000.0
     assert _visit(visited, 60.0) == 1.0
     visited.sea.submarine[0], visited.minds.predators[0, 0] = 100.0, NOBODY

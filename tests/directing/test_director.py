@@ -324,7 +324,7 @@ def test_any_directions_leave_the_world_valid_and_repeatable(tmp_path, data):
     assert to_scenario(one) == scenario  # directions do not change the exported scenario
 
 
-@pytest.mark.parametrize("seed", [0, 7])
+@pytest.mark.parametrize("seed", [3, 7])
 def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
     spec = spec_from_file_location("figures", ROOT / "docs/rendezvous_figures.py")
     figures = module_from_spec(spec)

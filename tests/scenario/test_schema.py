@@ -327,6 +327,8 @@ def test_every_key_can_be_set_from_outside(settings, value):
         ("fish.9.number=2", ["`fish` is a list", "0 to 7"]),
         ("title.x.y=2", ["`title` is not a table"]),
         ("fish.0.species=fuselier", ["--set", "`fish[0].species`", "'fusilier'"]),
+        ("nature.fear_s=0", ["--set nature.fear_s=0", "nature.fear_s", "at least 0.001"]),
+        ("nature.habituation_s=long", ["nature.habituation_s", "expected a number"]),
         ("physics.time_step=0", ["physics.time_step", "at least 0.05"]),
         ("individual.0.fish=60", ["`individual[0].fish` 60", "expected 0 to 59"]),
     ],
