@@ -64,7 +64,7 @@ LEAD = 0.7  # share of its burst's speed by which it foresees where they meet
 
 RECOVER_S = 4.5  # circling out after a miss
 LULL_S = np.array([[4.0, 10.0], [12.0, 22.0]])  # until the next stalk: after a miss, after a meal
-CALM = 5.0  # by how much longer a lull is without hunger
+CALM = 2.0  # by how much longer a lull is without hunger
 LULL_PURPOSE = np.int64(83)  # key of the random numbers
 
 ATTENTION_TICKS = 20  # until its attention may pass to another fish of a crowd, 0.67 s

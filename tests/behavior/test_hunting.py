@@ -262,7 +262,7 @@ def test_a_sated_hunter_rests_longer_and_one_that_missed_often_less(around):
         advance(minds, fishes, DT)
         return float(minds.lull[0]) - RECOVER_S
 
-    assert lull(0.5, 0) == pytest.approx(3.5 * lull(1.0, 0), rel=1e-3)
+    assert lull(0.5, 0) == pytest.approx(2.0 * lull(1.0, 0), rel=1e-3)
     assert lull(1.0, 3) == pytest.approx(lull(1.0, 0) / 2.5, rel=1e-3)
 
 
