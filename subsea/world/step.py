@@ -198,9 +198,9 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
 
     share(ease, everyone, LEAST_PART, fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
-    living = fishes.alive.copy()
+    before = fishes.alive.copy()
     hunting.inhale(fishes, minds, sea, clock)
-    release_catches(world.state.odour, fishes.position[living & ~fishes.alive])
+    release_catches(world.state.odour, fishes.position[before & ~fishes.alive])
     biting.bite(fishes, minds, sea, clock)
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, clock)
 
