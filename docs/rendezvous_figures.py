@@ -14,7 +14,7 @@ import numpy as np
 from subsea.behavior.hunting import is_chewing
 from subsea.dive.directed_camera import directed_steering
 from subsea.scenario.load import load_scenario
-from subsea.state import EAT, LOOPING, MATE, Clock
+from subsea.state import EAT, LOOPING, MATE, RECOVERING, Clock
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world
@@ -36,7 +36,7 @@ class Seen(NamedTuple):
 
     pair: bool  # it courts, in front of the camera and in view
     school: bool  # it is in view behind the pair
-    shark: bool  # it hunts or chews one of the school, in view
+    shark: bool  # it hunts one of the school, chews it or circles out after a miss, in view
 
 
 def seen(world: World) -> Seen:
@@ -49,11 +49,12 @@ def seen(world: World) -> Seen:
     school = fishes.alive[SCHOOL]
     behind = inside[SCHOOL] & (far[SCHOOL] > far[PAIR].max() + BEHIND_CM) & school
     prey, now = minds.target[SHARK], Clock(world.state.seed, world.state.tick, TICK_S)
-    hunts = SCHOOL.start <= prey < SCHOOL.stop or is_chewing(minds, SHARK, now)
+    hunts = SCHOOL.start <= prey < SCHOOL.stop and minds.intention[SHARK] == EAT
+    hunts |= is_chewing(minds, SHARK, now) or minds.hunt[SHARK] == RECOVERING
     return Seen(
         bool(courts.all() and inside[PAIR].all() and far[PAIR].max() < FRONT_CM),
         bool(behind.sum() >= max(MOST * school.sum(), 1)),
-        bool(minds.intention[SHARK] == EAT and hunts and inside[SHARK]),
+        bool(hunts and inside[SHARK]),
     )
 
 

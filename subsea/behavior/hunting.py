@@ -47,6 +47,7 @@ BEHIND = 0.8  # weight of the prey's tail against the nearer side in the choice 
 GENTLE = 1.8  # distance of that place over its depth or height, as hunters climb slowly
 BOTTOM_BL = 0.3  # least height of that place over the seabed
 STALK_S = 14.0  # longest stalk
+LOST_S = 4.0  # rest after it lost its prey, so that it does not waver
 PATIENT_S = 2.0  # after which it rushes from any side
 LOW, REAR_COS = 0.12, -0.5  # slope up to the prey, or cosine of its bearing, of a good place
 
@@ -64,7 +65,7 @@ LEAD = 0.7  # share of its burst's speed by which it foresees where they meet
 
 RECOVER_S = 4.5  # circling out after a miss
 LULL_S = np.array([[4.0, 10.0], [12.0, 22.0]])  # until the next stalk: after a miss, after a meal
-CALM = 5.0  # by how much longer a lull is without hunger
+CALM = 2.0  # by how much longer a lull is without hunger
 LULL_PURPOSE = np.int64(164)  # key of the random numbers
 
 ATTENTION_TICKS = 20  # until its attention may pass to another fish of a crowd, 0.67 s
@@ -95,7 +96,10 @@ def advance_hunts(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None
         if phase == RUSHING and (spell > RUSH_S or not eats):
             break_off(minds, i, clock)
             continue
-        over = (phase == STALKING and not eats) or (phase == CHEWING and spell > CHEW_S)
+        lost = phase == STALKING and not eats
+        if lost:
+            minds.lull[i] = max(minds.lull[i], np.float32(LOST_S))
+        over = lost or (phase == CHEWING and spell > CHEW_S)
         if over or (phase == RECOVERING and spell > RECOVER_S):
             begin(minds, i, PATROLLING)
 

@@ -30,6 +30,7 @@ from subsea.state import (
     STOWED,
 )
 
+DIRECTED_LULL_S = 0.5  # longest rest of a predator that is to hunt
 CRUISING = 0.62  # default share of its fastest speed on an errand
 # Body lengths at which a point of a path is reached, and at which it is once the fish recedes:
 # fishes turn in wide circles.
@@ -272,12 +273,13 @@ def _forget_prey(context: DirectingContext, those: Ints) -> None:
 
 
 def _hunt(context: DirectingContext, k: int) -> bool:
-    """Send hungry predators that perceive no prey to the nearest one."""
+    """Send hungry predators that perceive no prey to the nearest one, and shorten their rests."""
     cue, state = context.script.cues[k], context.state
     fishes, minds = state.fishes, state.minds
     if cue.direction.path_cm is None:
         those = _hunters(context, cue)
         minds.errand[those] = 0.0
+        minds.lull[those] = np.minimum(minds.lull[those], DIRECTED_LULL_S)
         prey = cue.prey[fishes.alive[cue.prey] & (minds.kind[cue.prey] == PREY)]
         seeks = fishes.alive[those] & (minds.food[those] < 0)
         for i in those[seeks & (hunger_of(context, those) > context.nature.keen)]:

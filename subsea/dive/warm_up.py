@@ -23,9 +23,11 @@ from subsea.base.system import cores
 from subsea.behavior.table import BEHAVIORS
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
+from subsea.habitat.odour import carry_odours, make_odour, release_catches
 from subsea.habitat.stone import SUN
 from subsea.kernels.cache import processor, shipped_code, versions
 from subsea.perception.focusser import focus
+from subsea.perception.smell import smell
 from subsea.scenario.load import load_scenario
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import Sources, hear
@@ -95,6 +97,10 @@ def _motion() -> None:
     step.perceive(world, CLOCK, NEUTRAL)
     everyone = np.arange(len(world.state.fishes.species))
     step.move_water(world, everyone, CLOCK)
+    odour = make_odour(world.state.sea)
+    release_catches(odour, world.state.fishes.position[:1])
+    carry_odours(odour, world.state.sea.radius, world.flow(), TICK_S)
+    smell(everyone, world.state.fishes, world.state.minds, odour)
     step.move_fishes(world, everyone, CLOCK)
     step.steer(world, world.state.submarine, NEUTRAL)
     step.stay_in_free_water(world, everyone, world.state.fishes.velocity.copy())

@@ -141,8 +141,8 @@ def price_of(fishes: Fishes, minds: Minds, i: int, j: int, mouth: Vector, ahead:
 def cost_of(toward: Vector, distance: float, ahead: Vector, schools: bool) -> float:
     """Cost of catching prey, cm: C = d (1 + beta1 S + beta2 E / pi) (Tu §7.9.1).
 
-    S is 1 for prey in a school, else 0; E is the angle by which the predator has to turn. d is that
-    of the way to swim, which is no steeper than recorded motion allows.
+    S is 1 for prey in a school, else 0; E is the angle by which the predator has to turn. d is the
+    length of the way to swim: recorded motion climbs and dives slowly.
     """
     distance = max(distance, abs(toward[2]) / STEEPEST)
     cosine = dot(toward, ahead) / max(norm(toward), 1e-9)

@@ -1,4 +1,4 @@
-"""Other predators: who is near, and which prey is already theirs."""
+"""Notice other predators nearby, and the prey that they claim."""
 
 import numpy as np
 

@@ -14,6 +14,7 @@ from subsea.behavior.hunting import (
     CHEW_S,
     FITS,
     LEAD,
+    LOST_S,
     LULL_S,
     MOUTH_BL,
     OPEN_BL,
@@ -236,7 +237,8 @@ def test_the_phases_follow_one_another(around):
     minds.hunt[0], minds.hunt_time[0] = STALKING, 0.0
     minds.intention[0] = WANDER  # it lost interest
     advance(minds, fishes, DT)
-    assert minds.hunt[0] == PATROLLING
+    assert (minds.hunt[0], minds.lull[0]) == (PATROLLING, LOST_S)
+    assert not wants()
     minds.hunt[0], minds.intention[0], minds.memory[0] = STALKING, AVOID, EAT
     advance(minds, fishes, DT)
     assert minds.hunt[0] == STALKING  # a moment's interruption
@@ -262,7 +264,7 @@ def test_a_sated_hunter_rests_longer_and_one_that_missed_often_less(around):
         advance(minds, fishes, DT)
         return float(minds.lull[0]) - RECOVER_S
 
-    assert lull(0.5, 0) == pytest.approx(3.5 * lull(1.0, 0), rel=1e-3)
+    assert lull(0.5, 0) == pytest.approx(2.0 * lull(1.0, 0), rel=1e-3)
     assert lull(1.0, 3) == pytest.approx(lull(1.0, 0) / 2.5, rel=1e-3)
 
 

@@ -59,3 +59,13 @@ def test_no_prey_is_pushed_out_of_a_hunters_mouth(tank):
     t.minds.kind[0] = PREDATOR
     separate(everyone(t.fishes), t.fishes, t.minds)
     assert not t.fishes.drift.any()
+
+
+def test_two_hunters_are_parted(tank):
+    t = _pair(tank, (0.0, 4.6, 0.0))
+    t.minds.kind[:] = PREDATOR
+    t.minds.rival[:] = 1, 0
+    separate(everyone(t.fishes), t.fishes, t.minds)
+    first, second = t.fishes.drift
+    np.testing.assert_allclose(first, -second, atol=1e-5)
+    assert second[1] > 0
