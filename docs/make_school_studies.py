@@ -36,11 +36,11 @@ TUNSTROM = {
 }
 
 GROUPS, SHARES = (20, 50, 150), (0.02, 0.05, 0.1, 0.2, 0.4)
-GOAL_SEEDS, GOAL_S, GOAL_DEG = range(1, 3), 40.0, 90.0
+GOAL_SEEDS, GOAL_S, GOAL_DEG = range(1, 3), 30.0, 90.0
 LEADING = {"school.goal": 0.3}
 ANGLES = (30, 60, 90, 120, 150)
 TWO = {"school.goal": 0.9, "school.goal_feedback": 1.5}
-PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 13), 40.0
+PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 9), 30.0
 # Range of the captures per attack on 20 over those on single prey, of four predators (Neill and
 # Cullen 1974), as assets/swimming.toml has it.
 NEILL = 0.0, 0.8
@@ -224,7 +224,7 @@ def _mean(rows: Sequence[Row], measure: str, key: str, value: float) -> float:
 
 
 STUDIES_DRAWN: dict[str, Callable[[], Any]] = {
-    "study-states": states, "study-minority": minority, "study-confusion": confusion,
+    "study-confusion": confusion, "study-states": states, "study-minority": minority,
 }  # fmt: skip
 
 
