@@ -29,7 +29,7 @@ SCHOOL, STATES, HUNTER = (str(STUDIES / f"{name}.toml") for name in ("school", "
 Row = dict[str, float]
 
 SIZES, STATE_SEEDS, STATE_S = (30, 70, 150, 300), range(1, 3), 60.0
-# What Tunstrøm et al. (2013) report of golden shiners, as text: their figure has densities.
+# Tunstrøm et al. (2013) draw densities of both measures; the trend is given as text.
 TUNSTROM = {
     "polarised": "golden shiners: less with size",
     "milling": "golden shiners: more with size",

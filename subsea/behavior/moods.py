@@ -36,7 +36,7 @@ HEADING_PURPOSE, PACE_PURPOSE = np.int64(83), np.int64(84)
 
 
 class Temper(NamedTuple):
-    """How moods change the rules of a fish: factors."""
+    """Factors by which a mood changes the rules of a fish."""
 
     alignment: float
     noise: float
@@ -78,7 +78,7 @@ def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature) -> float:
 
 @kernel
 def temper_of(minds: Minds, i: int) -> Temper:
-    """How the mood of fish i changes the rules by which it schools."""
+    """Compute the factors by which the mood of fish i changes the rules of its school."""
     share = minds.rules[minds.school_rule[i], MOODS]
     alarm = share * max(float(minds.mood[i]), 0.0)
     feeds = share * max(-float(minds.mood[i]), 0.0)
