@@ -28,19 +28,19 @@ STUDIES, RUNS = HERE / "studies", HERE / "studies" / "runs"
 SCHOOL, STATES, HUNTER = (str(STUDIES / f"{name}.toml") for name in ("school", "states", "hunter"))
 Row = dict[str, float]
 
-SIZES, STATE_SEEDS, STATE_S = (30, 70, 150, 300), range(1, 3), 60.0
-# What Tunstrøm et al. (2013) report of golden shiners, as text: their figure has densities.
+SIZES, STATE_SEEDS, STATE_S = (30, 70, 150, 300), range(1, 2), 40.0
+# Tunstrøm et al. (2013) draw densities of both measures; the trend is given as text.
 TUNSTROM = {
     "polarised": "golden shiners: less with size",
     "milling": "golden shiners: more with size",
 }
 
-GROUPS, SHARES = (20, 50, 150), (0.02, 0.05, 0.1, 0.2, 0.4)
-GOAL_SEEDS, GOAL_S, GOAL_DEG = range(1, 3), 40.0, 90.0
+GROUPS, SHARES = (20, 50), (0.05, 0.1, 0.2, 0.4)
+GOAL_SEEDS, GOAL_S, GOAL_DEG = range(1, 2), 25.0, 90.0
 LEADING = {"school.goal": 0.3}
 ANGLES = (30, 60, 90, 120, 150)
 TWO = {"school.goal": 0.9, "school.goal_feedback": 1.5}
-PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 13), 40.0
+PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 5), 30.0
 # Range of the captures per attack on 20 over those on single prey, of four predators (Neill and
 # Cullen 1974), as assets/swimming.toml has it.
 NEILL = 0.0, 0.8
@@ -224,7 +224,7 @@ def _mean(rows: Sequence[Row], measure: str, key: str, value: float) -> float:
 
 
 STUDIES_DRAWN: dict[str, Callable[[], Any]] = {
-    "study-states": states, "study-minority": minority, "study-confusion": confusion,
+    "study-confusion": confusion, "study-states": states, "study-minority": minority,
 }  # fmt: skip
 
 

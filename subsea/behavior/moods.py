@@ -36,7 +36,7 @@ HEADING_PURPOSE, PACE_PURPOSE = np.int64(161), np.int64(162)
 
 
 class Temper(NamedTuple):
-    """How moods change the rules of a fish: factors."""
+    """Factors by which a mood changes the rules of a fish."""
 
     alignment: float
     noise: float
@@ -78,7 +78,7 @@ def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature) -> float:
 
 @kernel
 def temper_of(minds: Minds, i: int, loose: float = 1.0) -> Temper:
-    """How the mood of fish i changes the rules by which it schools.
+    """Compute the factors by which the mood of fish i changes the rules of its school.
 
     `loose` is a factor on the distances of a fish at ease. Sociable fishes are closer.
     """

@@ -190,7 +190,7 @@ def farthest(place: Array, p: Vector, found: Ints) -> float:
 
 @kernel
 def _farthest_kept(place: Array, p: Vector, kept: Ints) -> float:
-    """A guess as of `farthest`, from a list of which some members may have been removed."""
+    """A guess like that of `farthest`, from a list that may have lost members."""
     square = 0.0
     for k in kept:
         if k < 0:

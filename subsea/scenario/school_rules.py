@@ -36,7 +36,7 @@ class Goal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
 
 class SchoolRules(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How fishes school. None: as in the table before. Distances in body lengths (`_bl`)."""
+    """Rules of a school. None: as in the table before. Distances are in body lengths (`_bl`)."""
 
     separation_bl: NearRange | None = None  # apart within it
     attraction_bl: FarRange | None = None  # together beyond it ...

@@ -1,8 +1,9 @@
 """Rows of numbers that kernels read as the rules of a school."""
 
 import math
+from typing import Any
 
-from subsea.scenario.school_rules import MAX_GOALS, USUAL, Goal, SchoolRules
+from subsea.scenario.school_rules import MAX_GOALS, NAMES, USUAL, Goal, SchoolRules
 
 # Columns of `Minds.rules`.
 (
@@ -21,15 +22,10 @@ RULE_COLUMNS = GOALS + MAX_GOALS * GOAL_COLUMNS
 def rule_row(rules: SchoolRules) -> tuple[float, ...]:
     """Convert rules that have all keys to a row of `Minds.rules`."""
     goals = [number for goal in rules.goals or () for number in _goal_row(goal)]
-    numbers: list[float] = [
-        rules.separation_bl, rules.attraction_bl, rules.full_attraction_bl,
-        rules.inertia, rules.alignment, rules.separation, rules.attraction,
-        rules.goal, rules.rejoin,
-        math.radians(rules.noise_deg), rules.noise_s, rules.pace_noise, rules.neighbours,
-        -math.cos(math.radians(0.5 * rules.blind_deg)), rules.sight_bl, rules.lateral_line_bl,
-        rules.informed, rules.goal_feedback, rules.rest, rules.moods, rules.contagion,
-    ]  # type: ignore[list-item, arg-type]  # fmt: skip
-    row = [float(number) for number in numbers] + goals
+    given: dict[str, Any] = {name: getattr(rules, name) for name in NAMES}
+    given["noise_deg"] = math.radians(given["noise_deg"])
+    given["blind_deg"] = -math.cos(math.radians(0.5 * given["blind_deg"]))
+    row = [float(given[name]) for name in NAMES if name != "goals"] + goals
     return (*row, *[0.0] * (RULE_COLUMNS - len(row)))
 
 

@@ -1,4 +1,4 @@
-"""Goals of schools: who knows, where to, and feedback."""
+"""Goals of schools: the fishes that know them, the way there, and feedback."""
 
 import numpy as np
 import pytest

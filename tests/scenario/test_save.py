@@ -16,6 +16,7 @@ from subsea.scenario import schema as tables
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario, scenario_text
 from subsea.scenario.schema import Pillar, Rock, Scenario
+from subsea.scenario.school_rules import MAX_GOALS, Goal, SchoolRules
 from subsea.scenario.shoals import shoals_of
 from tests.support.daily import examples
 from tests.support.directions import directions
@@ -76,7 +77,19 @@ HERE, THERE = st.tuples(AXIS, AXIS), st.tuples(AXIS, AXIS, st.floats(-600.0, 0.0
 MAYBE_HERE, MAYBE_THERE = st.none() | HERE, st.none() | THERE
 SIZES = st.none() | st.tuples(st.floats(2.0, 20.0), st.floats(20.0, 300.0))
 PLACED = {"position_cm": HERE}
+# Any of these fit together in any tables.
+RULES = {
+    "separation_bl": st.none() | st.floats(0.1, 0.9),
+    "attraction_bl": st.none() | st.floats(0.95, 2.0),
+    "full_attraction_bl": st.none() | st.floats(2.1, 50.0),
+    "goals": st.none() | st.lists(st.deferred(lambda: structs(Goal)), max_size=MAX_GOALS),
+}
 OWN = {
+    Goal: {
+        "share": st.floats(0.0, 0.4), "position_cm": st.none(), "heading_deg": st.floats(-180, 180)
+    },
+    SchoolRules: RULES,
+    tables.SchoolTable: RULES | {"species": st.just({})},
     tables.Start: {"position_cm": THERE},
     tables.Shoal: {
         "species": st.sampled_from(species_names()), "position_cm": MAYBE_THERE,
@@ -105,6 +118,8 @@ def scenarios(draw):
         for field in inspect.type_info(Scenario).fields
         if field.name not in ("bounds", "tour", "individual", "direction")
     }
+    of_species = {values["fish"][0].species: draw(structs(SchoolRules))}
+    values["school"] = replace(values["school"], species=of_species)
     fishes = sum(shoal.number for shoal in values["fish"])
     several = st.lists(structs(tables.IndividualTable), max_size=3, unique_by=lambda one: one.fish)
     individuals = [one for one in draw(several) if one.fish < fishes]
