@@ -20,7 +20,14 @@ from subsea.state import (
     Nature,
     Sea,
 )
-from subsea.state.habits import dusk_of, mild_of, share_of_light, share_of_warmth, wish
+from subsea.state.habits import (
+    brightness_above,
+    dusk_of,
+    mild_of,
+    share_of_light,
+    share_of_warmth,
+    wish,
+)
 
 CLIMB = 0.8  # how steeply a fish leaves upward or downward
 BRISK = 0.7  # share of the fastest speed
@@ -72,7 +79,8 @@ def wanted_rise(minds: Minds, i: int, sea: Sea, nature: Nature) -> float:
     climate, rise = sea.climate, 0.0
     light = wish(minds, i, BRIGHTNESS, DARKNESS)
     if light != 0.0:
-        share = share_of_light(float(minds.light[i]), climate)
+        # Its habit is about the waters of this hour: nobody leaves them because night falls.
+        share = share_of_light(float(minds.light[i]) / brightness_above(sea), climate)
         rise += light * max(light * (dusk_of(minds, i, nature) - share) + beyond, 0.0)
     warmth = wish(minds, i, WARMTH, COLD)
     if warmth != 0.0 and climate[0] != climate[1]:

@@ -28,6 +28,7 @@ from subsea.perception.comfort import sense_comfort
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
 from subsea.perception.leader_tracking import Schools
 from subsea.state import CIRCLING, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.habits import brightness_above
 
 NEAR_CM = 400.0  # distance to the submarine within which a fish thinks every tick
 FAR_TICKS = 4  # interval beyond, 0.13 s ...
@@ -164,11 +165,12 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
 def feel_water(who: Ints, position: Array, sea: Sea, light: Array, temperature: Array) -> None:
     """Set brightness and temperature of the water around the fishes `who`.
 
-    Daylight fades with depth as exp(-depth / l); the water cools evenly down to the depth of the
-    lower temperature, and no further.
+    Daylight fades with depth as exp(-depth / l), as moonlight does by night; the water cools evenly
+    down to the depth of the lower temperature, and no further.
     """
     surface_c, depth_c, depth, fade = sea.climate
+    above = brightness_above(sea)
     for i in who:
         below = max(-float(position[i, 2]), 0.0)
-        light[i] = sea.sky[1] * np.exp(-below / fade)
+        light[i] = above * np.exp(-below / fade)
         temperature[i] = surface_c + (depth_c - surface_c) * min(below / depth, 1.0)

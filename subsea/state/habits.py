@@ -4,7 +4,9 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.kernels import kernel
-from subsea.state.groups import Minds, Nature
+from subsea.state.groups import Minds, Nature, Sea
+
+MOONLIGHT = 0.003  # brightness of the surface by night, over that of noon, to an adapted eye
 
 
 @kernel
@@ -33,6 +35,12 @@ def dusk_of(minds: Minds, i: int, nature: Nature) -> float:
 def mild_of(minds: Minds, i: int, nature: Nature) -> float:
     """Return the share of the sea's range of temperature below which it is cold for fish i."""
     return float(minds.mild[i]) if minds.mild[i] >= 0.0 else nature.mild
+
+
+@kernel
+def brightness_above(sea: Sea) -> float:
+    """Return the brightness at the surface, over that of noon: of daylight, or of the moon."""
+    return max(float(sea.sky[1]), MOONLIGHT)
 
 
 @kernel

@@ -34,7 +34,7 @@ def test_discontent_fishes_leave_in_the_right_direction(tank):
 def sensed(t):
     """Let all fishes feel the water where they are."""
     everyone = np.arange(len(t.fishes.length))
-    feel_water(everyone, t.fishes.position, t.sea.climate, t.minds.light, t.minds.temperature)
+    feel_water(everyone, t.fishes.position, t.sea, t.minds.light, t.minds.temperature)
     sense_comfort(everyone, t.minds, t.sea.climate, t.nature)
     return t.desire(leaving.desire) > 0
 
