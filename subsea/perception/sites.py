@@ -122,8 +122,7 @@ def see_sites(
         if minds.ways[i] & CLEANS:
             # The fish that poses nearest to its station.
             nearest(others.posing, vector(minds.home[i]), STATION_CM, i, one, gap, GUESS_CM)
-            if one[0] >= 0 and minds.cleaner[one[0]] == i:
-                minds.client[i] = one[0]
+            minds.client[i] = one[0]
         elif minds.itch[i] > ITCHES:
             here = vector(fishes.position[i])
             nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)
