@@ -54,7 +54,7 @@ def test_some_prey_before_the_hunter_is_caught_and_some_escapes():
         step(world, NEUTRAL)
         minds.lull[0] = 0.0
         start = snapshot.take(world)
-        for gap in (0.5, 1.0, 1.5):
+        for gap in (1.0, 2.0, 3.0):
             snapshot.restore(world, start)
             ahead = np.array(rotate(fishes.orientation[0], (gap * fishes.length[0], 0.0, 0.0)))
             fishes.position[STRAGGLER] = mouth_of(fishes, 0) + ahead
