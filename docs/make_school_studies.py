@@ -1,7 +1,7 @@
-"""Make the plots of how-to/study-schools.md: `python docs/make_school_studies.py [FOLDER]`.
+"""Plot the studies of how-to/study-schools.md: `python docs/make_school_studies.py [FOLDER]`.
 
-Sweeps `docs/studies` into `docs/studies/runs` (some ten minutes; finished runs are kept) and draws
-three pictures with the values of the experiments beside those of subsea.
+Sweeps `docs/studies` into `docs/studies/runs`, where finished runs are kept, and draws three
+pictures. Few and short runs: raise SEEDS and seconds below for figures to rely on.
 """
 
 import csv
