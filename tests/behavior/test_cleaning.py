@@ -48,7 +48,7 @@ def test_a_client_swims_to_its_place_then_stands_with_its_head_up_and_fins_sprea
     urge = t.minds.urge[1]
     assert np.degrees(np.arctan2(urge[2], np.hypot(urge[0], urge[1]))) == pytest.approx(48.0)
     t.minds.intention[1] = POSE
-    ease_display(np.arange(2), t.fishes, t.minds, t.clock)
+    ease_display(np.arange(2), t.fishes, t.minds, t.sea, t.clock)
     assert t.fishes.raised.tolist() == [0.0, 1.0]
 
 

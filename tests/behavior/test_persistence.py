@@ -48,5 +48,5 @@ def test_prey_see_their_flight_through_and_stay_afraid(figures):
     assert found["bouts"] > 40
     assert found["short"] < 0.05
     assert found["flips"] < 6.0  # 55 before fishes remembered the threat
-    assert found["starts"] > 5
+    assert found["starts"] > 1  # a hunter rushes once and rests
     assert found["flight_bl_s"] > 6.0

@@ -54,6 +54,7 @@ def test_by_night_a_school_at_ease_disperses_but_an_alarmed_one_stays_close(tank
         t = _school(tank, (0.0, 1.5, 0.0))
         t.minds.waypoint[0] = HERE + (500.0, 0.0, 0.0)
         t.sea.sky[1], t.minds.mental[:, FEAR] = daylight, fear
+        t.minds.mood[:] = 1.0 if fear > 0.0 else 0.0
         ways.append(_urge(t)[1])
     assert ways[0] > 0.0 > ways[1]
     assert ways[2] > 0.0

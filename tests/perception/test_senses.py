@@ -28,6 +28,7 @@ from subsea.state import (
     SCHOOL,
     SUBMARINE,
 )
+from subsea.state.habits import MOONLIGHT
 
 SEEDS = st.integers(0, 2**32 - 1)
 EYE = np.array([7.0, 0.0, -300.0])
@@ -45,7 +46,7 @@ def test_by_night_it_is_dark_and_fishes_see_less_far(tank):
     t = tank(2)
     t.sea.sky[1] = 0.0
     t.run(sense)
-    assert (t.minds.light == 0.0).all()
+    assert (t.minds.light > 0.0).all() and (t.minds.light <= MOONLIGHT).all()
     night, day = in_daylight(t.nature, 0.0), in_daylight(t.nature, 1.0)
     assert day == t.nature
     assert 0.3 < night.vision_cm / day.vision_cm < 0.6

@@ -52,7 +52,7 @@ def test_it_begins_near_the_predator_and_sees_it_unless_it_is_behind(env):
 
 def test_a_fish_that_never_moves_is_caught_and_stays_dead():
     """The shark may pass it at its first strikes, with its mouth still shut."""
-    env = EscapeEnv(changes=LEAN, max_steps=400)
+    env = EscapeEnv(changes=LEAN, max_steps=1500)
     _, info = env.reset(seed=1)
     fishes, shark = env.sea.world.state.fishes, int(env._predators[0])
     # Nobody else whom it would have to avoid, or who would confuse it.

@@ -26,7 +26,7 @@ def test_a_shark_catches_an_agent_which_does_not_return():
     env = lean()
     env.reset(seed=1)
     shark, prey = "blacktip_reef_shark_0", "fusilier_3"
-    assert len(env.agents) == 101
+    assert len(env.agents) == 98
     fishes = env.sea.world.state.fishes
     hunter, victim = env.fish_of(shark), env.fish_of(prey)
     ahead = np.array(x_axis(fishes.orientation[hunter]))
