@@ -14,6 +14,7 @@ from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, POSE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.habits import is_pleasant
 
 ITCH_S = (500.0, 900.0)  # from one cleaning until a fish itches fully, by its identity
 BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
@@ -98,10 +99,11 @@ def desire(
 def holding_desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """The wish of a cleaner to hold its station, for a part of each cycle."""
+    """The wish of a cleaner to hold a station that it likes, for a part of each cycle."""
     for i in who:
         out[i] = 0.0
-        if minds.ways[i] & CLEANS and minds.errand[i] <= 0.0:
+        at_work = minds.ways[i] & CLEANS and is_pleasant(minds, i, minds.home[i, 2])
+        if at_work and minds.errand[i] <= 0.0:
             cycle = clock.tick * clock.dt / CYCLE_S + float(fishes.identity[i])
             out[i] = HOLDING if cycle % 1.0 < HOLDS else 0.0
 

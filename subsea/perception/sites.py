@@ -33,6 +33,7 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.habits import is_pleasant
 
 CELL_CM = 60.0
 FOOD_CM, COVER_CM = 400.0, 250.0  # distances at which food is seen and cover is reached
@@ -119,23 +120,25 @@ def see_sites(
             minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
             _see_cover(i, fishes, minds, sea, clock, grids, room)
         minds.cleaner[i] = minds.client[i] = NOBODY
-        if minds.ways[i] & CLEANS:
+        if minds.ways[i] & CLEANS and is_pleasant(minds, i, minds.home[i, 2]):
             # The fish that poses nearest to its station.
             nearest(others.posing, vector(minds.home[i]), STATION_CM, i, one, gap, GUESS_CM)
             minds.client[i] = one[0]
-        elif minds.itch[i] > ITCHES:
+        elif minds.itch[i] > ITCHES and not minds.ways[i] & CLEANS:
             here = vector(fishes.position[i])
             nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)
             if one[0] >= 0 and is_near_station(fishes, minds, one[0]):
                 way = minus(vector(minds.home[one[0]]), vector(minds.home[i]))
-                if norm(way) < minds.home_range[i]:
+                suits = is_pleasant(minds, i, minds.home[one[0], 2])
+                if norm(way) < minds.home_range[i] and suits:
                     minds.cleaner[i] = one[0]
 
 
 @kernel
 def is_near_station(fishes: Fishes, minds: Minds, i: int) -> bool:
-    """True if cleaner i is not far from its station."""
-    return norm(minus(vector(fishes.position[i]), vector(minds.home[i]))) < AWAY_CM
+    """True if cleaner i is not far from its station, and likes light and warmth there."""
+    far = norm(minus(vector(fishes.position[i]), vector(minds.home[i])))
+    return far < AWAY_CM and is_pleasant(minds, i, minds.home[i, 2])
 
 
 @kernel
@@ -145,9 +148,13 @@ def _see_food(
 ) -> None:  # fmt: skip
     """Keep the place where fish i feeds, or choose another one in sight.
 
-    A fish that courts, or neither is hungry nor browses, has none.
+    It lies where the fish likes light and warmth. A fish that courts, or neither is hungry nor
+    browses, has none; nor has a hungry one that smells food from the submarine.
     """
     busy = minds.courtship[i] != NO_COURTSHIP or minds.betrothed[i] != NOBODY
+    if minds.mental[i, HUNGER] > nature.keen:
+        for k in minds.foods[i]:
+            busy = busy or (k >= 0 and sea.absent[k] < 0.0)
     feeds = minds.mental[i, HUNGER] > STILL_HUNGRY * nature.keen or browses(fishes, i, clock)
     if busy or minds.errand[i] > 0.0 or not feeds:
         minds.site[i] = -1
@@ -173,7 +180,8 @@ def _see_food(
             facing = -dot(toward, vector(sea.site_normal[s]))
             if cost >= least or sea.stock[s] < FULL or facing < FACING * gaps[k]:
                 continue
-            if norm(minus(place, vector(minds.home[i]))) > minds.home_range[i]:
+            away = norm(minus(place, vector(minds.home[i])))
+            if away > minds.home_range[i] or not is_pleasant(minds, i, place[2]):
                 continue
             j = minds.chaser[i]
             if (

@@ -62,3 +62,9 @@ def depth_of_light(share: float, climate: Array) -> float:
     """Return the depth, cm, at which the light has fallen to a share of its range."""
     darkest = np.exp(-climate[2] / climate[3])
     return -climate[3] * np.log(darkest + share * (1.0 - darkest))
+
+
+@kernel
+def is_pleasant(minds: Minds, i: int, z: float) -> bool:
+    """True if fish i likes light and warmth at the height z, cm; see `perception/comfort.py`."""
+    return bool(minds.comfort[i, 0] <= -z <= minds.comfort[i, 1])

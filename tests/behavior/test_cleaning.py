@@ -92,3 +92,11 @@ def test_a_cleaner_that_is_far_away_comes_and_cleans_nobody(tank):
     assert t.minds.itch[1] == 1.0
     assert norm(tuple(t.minds.urge[0].tolist())) > 0.0
     assert t.minds.urge[0, 0] > 0.0
+
+
+def test_a_cleaner_holds_a_station_only_where_it_likes_the_water(tank):
+    t = station(tank)
+    t.fishes.identity[0] = 0.0  # at the beginning of its cycle
+    assert t.desire(cleaning.holding_desire)[0] == pytest.approx(cleaning.HOLDING)
+    t.minds.comfort[0] = 350.0, 600.0
+    assert t.desire(cleaning.holding_desire)[0] == 0.0

@@ -7,7 +7,7 @@ from subsea.behavior import company, curious, death, eating, escaping, mating, s
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, INTENTIONS, LEVEL_OF_DESIRE, TIRES
 from subsea.perception.focusser import set_targets
-from subsea.state import EAT, MATE, NOBODY, NUZZLING, PREDATOR, PREY, SUBMARINE
+from subsea.state import EAT, MATE, NOBODY, PREDATOR, PREY, SPAWNING, SUBMARINE
 from subsea.state.feelings import feel, feeling_for
 
 
@@ -81,7 +81,7 @@ def test_a_pair_that_spawned_likes_each_other_and_courts_again_first(tank):
     t = tank(4)
     t.minds.male[:] = True, False, False, False
     t.fishes.position[1:] = (150.0, 0.0, -300.0), (60.0, 0.0, -300.0), (80.0, 30.0, -300.0)
-    t.minds.partner[:2], t.minds.courtship[:2] = (1, 0), NUZZLING
+    t.minds.partner[:2], t.minds.courtship[:2] = (1, 0), SPAWNING
     mating.enter_next_state(np.array([0]), t.fishes, t.minds, t.clock)
     assert feeling_for(t.minds, 0, 1) == feeling_for(t.minds, 1, 0) == pytest.approx(mating.BONDS)
     t.minds.shunned[:] = NOBODY
@@ -117,7 +117,7 @@ def test_the_intention_generator_knows_both_behaviors(tank):
         t.minds.liked[:], t.minds.liking[:] = NOBODY, 0.0
         t.fishes.position[1] = 0.0, 100.0, -300.0
         feel(t.minds, 0, 1, -0.9 if name == "shun" else 0.9)
-        t.minds.desire[:] = 0.0
+        t.minds.desire[:], t.minds.held[:] = 0.0, np.inf  # no intention is too new to change
         row = [code == INTENTIONS.index(name) for code in BEHAVIOR_OF_DESIRE].index(True)
         t.minds.desire[row] = t.desire(desire)
         levels = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES

@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from subsea.base.errors import UserError
 from subsea.base.system import ROOT
+from subsea.behavior.hunting import CHEW_S
 from subsea.behavior.mental_state import HABITS, set_hunger
 from subsea.directing.director import direct, latest
 from subsea.scenario.checks import check_scenario
@@ -204,7 +205,7 @@ def test_a_shark_hunts_only_its_quarry_and_then_rests(tmp_path):
     assert targets - {NOBODY} == {2}
     assert min(gaps) < gaps[0] - 300  # its quarry may get away again
     assert world.state.directions.cast[2].tolist() == [SHARK, 2]
-    play(world, 3.0)
+    play(world, 3.0 + CHEW_S)  # it chews a last catch
     assert minds.intention[SHARK] != EAT
     assert minds.food[SHARK] == -1
 

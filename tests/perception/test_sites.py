@@ -89,6 +89,36 @@ def test_it_does_not_feed_where_it_was_chased_off(tank):
     assert t.minds.site.tolist() == [-1, 0]
 
 
+def test_it_feeds_where_it_likes_light_and_warmth(tank):
+    t = reef(tank, 3, (TURF, 60.0, 0.0, -340.0), (TURF, 160.0, 0.0, -380.0))
+    t.minds.comfort[:] = (0.0, np.inf), (360.0, 500.0), (0.0, 330.0)
+    look(t)
+    assert t.minds.site.tolist() == [0, 1, -1]
+
+
+def test_a_hungry_fish_leaves_stone_for_food_from_the_submarine(tank):
+    t = reef(lambda n: tank(n, specks=2), 2, (TURF, 60.0, 0.0, -340.0))
+    t.minds.foods[:, 0] = 0, 1
+    t.sea.absent[1] = -20.0  # it was scattered; the other one drifts as ever
+    look(t)
+    assert t.minds.site.tolist() == [0, -1]
+    t.minds.mental[:, HUNGER] = 0.9 * t.nature.keen
+    look(t)
+    assert t.minds.site.tolist() == [0, 0]
+
+
+def test_a_cleaner_that_dislikes_the_water_of_its_station_has_no_clients(tank):
+    t = reef(tank, 2)
+    t.minds.ways[:], t.minds.itch[1] = (CLEANS, HIDES), 1.0
+    t.minds.home[:] = t.fishes.position
+    for comfort, cleaner in (((0.0, 400.0), 0), ((350.0, 400.0), NOBODY)):
+        t.minds.comfort[0] = comfort
+        t.minds.intention[1] = POSE
+        look(t)
+        assert t.minds.cleaner[1] == cleaner
+        assert t.minds.client[0] == (1 if cleaner == 0 else NOBODY)
+
+
 def test_cover_is_sought_under_a_moving_shadow(tank):
     t = reef(tank, 1, (COVER, 60.0, 0.0, -340.0))
     t.minds.ways[:] = HIDES

@@ -188,18 +188,18 @@ def _temper(context: PanelContext, fish: int) -> None:
 
 
 def _nature(context: PanelContext) -> None:
-    """Sliders for the constants of all fishes, and a reset to the scenario's."""
+    """A reset to the scenario's constants of all fishes, and their sliders."""
     world = context.dive.world
+    before = Nature(**msgspec.structs.asdict(world.scenario.nature))
+    if button("As in the scenario", world.nature != before):  # first, as the list is long
+        world.nature = before
+        context.changed()
     imgui.push_item_width(0.4 * WIDE * imgui.get_font_size())
     for slider in NATURE:
         if (value := slider.draw(getattr(world.nature, slider.name))) is not None:
             world.nature = ordered(world.nature, slider.name, value)
             context.changed()
     imgui.pop_item_width()
-    before = Nature(**msgspec.structs.asdict(world.scenario.nature))
-    if button("As in the scenario", world.nature != before):
-        world.nature = before
-        context.changed()
 
 
 def ordered(nature: Nature, name: str, value: float) -> Nature:
