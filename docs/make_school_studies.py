@@ -20,7 +20,7 @@ from subsea.jobs.workers import process_pool
 from subsea.lab.sweep import Sweep, sweep
 from subsea.world.world import TICK_S
 
-mpl.use("svg")
+mpl.use("agg")
 from matplotlib import pyplot as plt
 
 HERE = Path(__file__).parent
@@ -37,10 +37,11 @@ TUNSTROM = {
 
 GROUPS, SHARES = (20, 50), (0.05, 0.1, 0.2, 0.4)
 GOAL_SEEDS, GOAL_S, GOAL_DEG = range(1, 2), 25.0, 90.0
+MODEL_SEEDS = range(1, 6)  # of the published model
 LEADING = {"school.goal": 0.3}
 ANGLES = (30, 60, 90, 120, 150)
 TWO = {"school.goal": 0.9, "school.goal_feedback": 1.5}
-PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 5), 30.0
+PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 9), 30.0
 # Range of the captures per attack on 20 over those on single prey, of four predators (Neill and
 # Cullen 1974), as assets/swimming.toml has it.
 NEILL = 0.0, 0.8
@@ -98,11 +99,11 @@ def minority() -> Any:
             off = [row["schools.course_deg"] - GOAL_DEG for row in rows]
             mean.append(float(np.mean(np.cos(np.radians(off)))))
         left.plot(SHARES, mean, "o-", label=f"{n} fishes")
-        model = [np.mean([np.cos(couzin(n, [(share, 0.0)], seed)) for seed in GOAL_SEEDS])
+        model = [np.mean([np.cos(couzin(n, [(share, 0.0)], seed)) for seed in MODEL_SEEDS])
                  for share in SHARES]  # fmt: skip
         left.plot(SHARES, model, "--", lw=1, color=left.lines[-1].get_color())
         print(n, np.round(mean, 2), "model", np.round(model, 2))
-    left.set(xlabel="share informed", ylabel="cosine of course to goal", ylim=(-0.3, 1.05))
+    left.set(xlabel="share informed", ylabel="cosine of course to goal", ylim=(-1.05, 1.05))
     left.plot([], [], "k--", lw=1, label="Couzin's model")
     left.legend(frameon=False)
     for shares, marker in (((0.1, 0.1), "o"), ((0.16, 0.08), "s")):
@@ -120,15 +121,15 @@ def minority() -> Any:
             right.plot([angle] * len(course), course, marker, color=colour, ms=4, label=label)
             print(shares, angle, np.round(course))
     model = [couzin(50, [(0.1, np.radians(angle / 2)), (0.1, -np.radians(angle / 2))], seed, True)
-             for angle in ANGLES for seed in GOAL_SEEDS]  # fmt: skip
-    angles = np.repeat(ANGLES, len(GOAL_SEEDS))
-    right.plot(angles + 4, np.degrees(model), "kx", ms=4, label="Couzin's model, 10% and 10%")
+             for angle in ANGLES for seed in MODEL_SEEDS]  # fmt: skip
+    angles = np.repeat(ANGLES, len(MODEL_SEEDS))
+    right.plot(angles + 4, np.degrees(model), "kx", ms=4, label="the model, 10% and 10%")
     print("model", np.round(np.degrees(model)))
     for side in (1, -1):
         right.plot(ANGLES, [side * angle / 2 for angle in ANGLES], "k:", lw=1)
     right.axhline(0, color="0.7", lw=1)
-    right.set(xlabel="angle between the goals, °", ylabel="course, °")
-    right.legend(frameon=False)
+    right.set(xlabel="angle between the goals, °", ylabel="course, °", ylim=(-100, 100))
+    right.legend(frameon=False, fontsize=7, loc="lower left")
     return figure
 
 
@@ -224,17 +225,17 @@ def _mean(rows: Sequence[Row], measure: str, key: str, value: float) -> float:
 
 
 STUDIES_DRAWN: dict[str, Callable[[], Any]] = {
-    "study-confusion": confusion, "study-states": states, "study-minority": minority,
+    "schools-confusion": confusion, "schools-states": states, "schools-minority": minority,
 }  # fmt: skip
 
 
 def main() -> None:
-    """Write `study-NAME.svg` into the folder."""
+    """Write `NAME.png` into the folder."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else HERE / "pictures")
     for name, draw in STUDIES_DRAWN.items():
         figure = draw()
         figure.tight_layout()
-        figure.savefig(folder / f"{name}.svg")
+        figure.savefig(folder / f"{name}.png", dpi=100)
 
 
 if __name__ == "__main__":
