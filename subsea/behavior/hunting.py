@@ -41,12 +41,13 @@ from subsea.state import (
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
 EAGER = 1.5  # least desire of a hunter over `keen`, so that it does not waver
 
-STALK = 0.7  # share of the fastest speed while it approaches
+STALK, PURSUIT = 0.7, 1.0  # shares of the fastest speed: toward calm prey, and prey that flees
 AMBUSH_BL = 0.9, 0.5  # place to which it stalks: behind the prey and below it
 BEHIND = 0.8  # weight of the prey's tail against the nearer side in the choice of that place
 GENTLE = 1.8  # distance of that place over its depth or height, as hunters climb slowly
 BOTTOM_BL = 0.3  # least height of that place over the seabed
-STALK_S = 14.0  # longest stalk
+STALK_S = 14.0  # longest stalk ...
+ALMOST_S = 4.0  # ... and how much longer it is at prey within range of a rush
 LOST_S = 4.0  # rest after it lost its prey, so that it does not waver
 PATIENT_S = 2.0  # after which it rushes from any side
 LOW, REAR_COS = 0.12, -0.5  # slope up to the prey, or cosine of its bearing, of a good place
@@ -172,7 +173,10 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
 
 @kernel
 def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
-    """Swim to a place below and behind the prey; begin the rush, or give up after a while."""
+    """Swim to a place below and behind the prey; begin the rush, or give up after a while.
+
+    Prey that flees has seen it: then it hides its approach no longer, but closes the gap.
+    """
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
     prey, mouth = vector(fishes.position[j]), mouth_of(fishes, i)
     toward, heading = minus(prey, mouth), x_axis(fishes.orientation[j])
@@ -186,19 +190,19 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     place = (place[0], place[1], max(place[2] - down * length, min(floor, prey[2])))
     chase(fishes, minds, i, place, vector(fishes.velocity[j]))
     set_urge(minds, i, give_way(fishes, minds, i, vector(minds.urge[i])))
-    fishes.goal_speed[i] = STALK
+    seen = minds.intention[j] == ESCAPE
+    fishes.goal_speed[i] = PURSUIT if seen else STALK
     spell = minds.hunt_time[i]
     rear = -dot(toward, heading) / distance
     good = toward[2] > LOW * distance or rear < REAR_COS or spell > PATIENT_S
-    flees = minds.intention[j] == ESCAPE and distance < CHASE_BL * length
-    near = flees or (good and distance < RUSH_BL * length)
+    near = (seen and distance < CHASE_BL * length) or (good and distance < RUSH_BL * length)
     near = near and abs(toward[2]) < STEEPEST * distance
     aim = dot(toward, x_axis(fishes.orientation[i])) > np.cos(AIM_RAD) * distance
     if near and not aim:
         set_urge(minds, i, give_way(fishes, minds, i, toward))
     if near and aim and minds.spent[i] < READY_S and not is_blocked(fishes, minds, i):
         begin(minds, i, RUSHING)
-    elif spell > STALK_S:
+    elif spell > STALK_S + (ALMOST_S if near else 0.0):
         begin(minds, i, PATROLLING)
         minds.lull[i] = _lull(minds, i, 0, clock)
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from subsea.behavior import eating
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.hunting import (
+    ALMOST_S,
     ATTENTION_TICKS,
     CHASE_BL,
     CHEW_S,
@@ -19,6 +20,7 @@ from subsea.behavior.hunting import (
     MOUTH_BL,
     OPEN_BL,
     PATIENT_S,
+    PURSUIT,
     READY_S,
     RECOVER_S,
     RUSH_BL,
@@ -254,6 +256,22 @@ def test_it_gives_up_a_long_stalk(around):
     _act(fishes, minds, around)
     assert minds.hunt[0] == PATROLLING
     assert minds.lull[0] >= LULL_S[0, 0]
+
+
+@pytest.mark.parametrize(("over", "phase"), [(0.9, STALKING), (1.1, PATROLLING)])
+def test_it_stalks_on_for_a_while_at_prey_within_range_of_a_rush(around, over, phase):
+    fishes, minds = _hunter((0.2 * RUSH_BL * LENGTH, 0.8 * RUSH_BL * LENGTH, 0))  # it has to turn
+    minds.hunt[0], minds.hunt_time[0] = STALKING, STALK_S + over * ALMOST_S
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == phase
+
+
+def test_it_closes_the_gap_to_prey_that_flees(around):
+    fishes, minds = _hunter(FAR)
+    minds.intention[1] = ESCAPE
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == STALKING
+    assert fishes.goal_speed[0] == pytest.approx(PURSUIT)
 
 
 def test_a_sated_hunter_rests_longer_and_one_that_missed_often_less(around):
