@@ -6,7 +6,7 @@ import pytest
 from subsea.behavior import territory
 from subsea.behavior.table import INTENTIONS
 from subsea.perception.collision import crowds_of
-from subsea.perception.territory import FOLLOWS, find_intruders
+from subsea.perception.territory import FOLLOWS, KNOWN_S, NEIGHBOURS, find_intruders
 from subsea.state import APPROACHING, GUARD, NOBODY, PREDATOR, YIELD
 
 
@@ -52,6 +52,19 @@ def test_one_that_is_followed_counts_until_it_is_far_off(tank):
     assert seen(t) == 1
     t.fishes.position[1, 0] = FOLLOWS * 60.0 + 5.0
     assert seen(t) == NOBODY
+
+
+def test_a_neighbour_that_was_chased_off_lately_is_tolerated_farther_out(tank):
+    assert KNOWN_S == territory.REMEMBERS_S
+    t = met(tank, (50.0, 0.0, -300.0))
+    t.minds.chaser[1], t.minds.chased[1] = 0, territory.REMEMBERS_S + 1.0
+    assert seen(t) == 1  # it is still chased
+    t.minds.chased[1] = territory.REMEMBERS_S - 1.0
+    assert seen(t) == NOBODY
+    t.fishes.position[1, 0] = 0.8 * NEIGHBOURS * 60.0
+    assert seen(t) == 1
+    t.minds.chaser[1], t.fishes.position[1, 0] = 2, 50.0  # by another resident
+    assert seen(t) == 1
 
 
 def test_a_resident_shows_itself_before_it_chases(tank):
