@@ -16,9 +16,9 @@ from subsea.kernels import kernel
 from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, POSE, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.habits import is_pleasant
 
-ITCH_S = (500.0, 900.0)  # from one cleaning until a fish itches fully, by its identity
+ITCH_S = (800.0, 1400.0)  # from one cleaning until a fish itches fully, by its identity
 BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
-WAITS_S = 30.0  # for the cleaner, which may be busy
+WAITS_S = 15.0  # for the cleaner, which may be busy
 POSING = 0.67  # desire to be cleaned: more than to browse
 RING_CM, RING_BL = (
     20.0,
@@ -44,7 +44,7 @@ JOLT_PURPOSE = np.int64(165)  # key of the random numbers
 def posing_desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """The itch of fishes that know a cleaner's station; it grows with time."""
+    """The itch of fishes that know the station of a cleaner that is free; it grows with time."""
     low, high = ITCH_S
     for i in who:
         out[i] = 0.0
@@ -52,8 +52,13 @@ def posing_desire(
             continue
         full = low + (high - low) * fishes.identity[i]
         minds.itch[i] = min(minds.itch[i] + minds.pause[i] / full, 1.0)
-        least = ENDS if minds.intention[i] == POSE else BEGINS
-        if minds.cleaner[i] != NOBODY and minds.itch[i] > least and minds.errand[i] <= 0.0:
+        c = minds.cleaner[i]
+        if c == NOBODY or minds.errand[i] > 0.0:
+            continue
+        poses = minds.intention[i] == POSE
+        # Where another one is cleaned, it goes on with what it does, and comes again.
+        free = poses or minds.client[c] in (NOBODY, i)
+        if free and minds.itch[i] > (ENDS if poses else BEGINS):
             out[i] = POSING
 
 

@@ -11,10 +11,11 @@ from subsea.behavior.chasing import burst, chase, set_urge
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import NO_COURTSHIP, NOBODY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import GUARD, NO_COURTSHIP, NOBODY, Clock, Fishes, Minds, Nature, Sea
 
 ZEAL = 0.9  # desire to drive an intruder off
 DISPLAY_S = 1.2  # how long a resident only shows itself
+CHASES_S = 5.0  # how long it then chases, and it rests as long as both last
 SHOWS = 0.06  # speed of one that does, share of the fastest
 NEAR_BL = 4.0  # distance, over the mean length, at which an intruder feels chased
 LEAVES_S = 3.0  # how long it then swims away ...
@@ -27,9 +28,13 @@ DESIRE = 0.45  # to leave, among dangers
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Zeal of a resident that sees an intruder."""
+    """Zeal of a resident that sees an intruder and has rested since the last chase."""
     for i in who:
         sees = minds.intruder[i] != NOBODY and minds.courtship[i] == NO_COURTSHIP
+        if minds.intention[i] == GUARD:
+            sees = sees and minds.held[i] < DISPLAY_S + CHASES_S
+        elif minds.memory[i] != GUARD:
+            sees = sees and minds.fatigue[GUARD, i] <= 0.0
         out[i] = ZEAL if sees and minds.wary[i] <= 0.0 and minds.errand[i] <= 0.0 else 0.0
 
 

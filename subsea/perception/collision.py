@@ -23,8 +23,11 @@ from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
     AVOID,
+    CLEAN,
     EAT,
+    GRAZE,
     NOBODY,
+    POSE,
     PREDATOR,
     SCHOOL,
     SEABED,
@@ -164,6 +167,13 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
         margin, foresight, welcome = COURTING_BL, COURTING_S, int(minds.partner[i])
     elif interrupted == SCHOOL:
         margin, foresight = SCHOOLING_BL, SCHOOLING_S
+    elif interrupted in (GRAZE, POSE, CLEAN):
+        # They tolerate neighbours, and the cleaner and its client touch.
+        margin, foresight = SCHOOLING_BL, SCHOOLING_S
+        if interrupted == POSE:
+            welcome = int(minds.cleaner[i])
+        elif interrupted == CLEAN:
+            welcome = int(minds.client[i])
     elif interrupted == EAT and minds.kind[i] == PREDATOR:
         prey = minds.memory_target[i] if intention == AVOID else minds.target[i]
         welcome = int(prey)

@@ -10,6 +10,8 @@ from subsea.perception.grid import near_slots
 from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 FOLLOWS = 1.5  # radii of a territory to which a resident follows an intruder
+NEIGHBOURS = 0.5  # share of the radius in which a neighbour is driven off again, for ...
+KNOWN_S = 90.0  # ... this long after a chase, as in `behavior/territory.py`
 OUTSIZED = 4.0  # a fish this many times as long as the resident is let alone
 
 
@@ -18,7 +20,8 @@ def find_intruders(who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd,
     """Set `minds.intruder` of those of the fishes `who` that guard a territory.
 
     The nearest fish of another species counts. One that is followed counts until it is far off.
-    Schools, predators, cleaners, courting fishes and much larger ones are let alone.
+    Schools, predators, cleaners, courting fishes and much larger ones are let alone. One that was
+    chased off lately is a known neighbour, which is tolerated farther out (Fisher 1954).
     """
     most = 0
     for i in who:
@@ -41,6 +44,8 @@ def find_intruders(who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd,
                     continue
                 off = minus(vector(grid.place[slots[k]]), home)
                 reach = FOLLOWS * radius if j == now else radius
+                if minds.chaser[j] == i and 0.0 < minds.chased[j] <= KNOWN_S:
+                    reach = NEIGHBOURS * radius
                 if dot(off, off) > reach * reach:
                     continue
                 away = minus(vector(grid.place[slots[k]]), here)

@@ -36,6 +36,16 @@ def test_an_itch_grows_until_a_fish_goes_to_a_cleaner(tank):
     assert t.desire(cleaning.posing_desire)[1] == 0.0
 
 
+def test_a_fish_waits_elsewhere_while_another_one_is_cleaned(tank):
+    t = station(tank)
+    t.minds.client[0] = NOBODY
+    assert t.desire(cleaning.posing_desire)[1] > 0.0
+    t.minds.client[0] = 0
+    assert t.desire(cleaning.posing_desire)[1] == 0.0
+    t.minds.intention[1] = POSE  # it has come before
+    assert t.desire(cleaning.posing_desire)[1] > 0.0
+
+
 def test_a_client_swims_to_its_place_then_stands_with_its_head_up_and_fins_spread(tank):
     t = station(tank)
     t.fishes.position[1] = 200.0, 0.0, -300.0

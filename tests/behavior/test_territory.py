@@ -6,8 +6,8 @@ import pytest
 from subsea.behavior import territory
 from subsea.behavior.table import INTENTIONS
 from subsea.perception.collision import crowds_of
-from subsea.perception.territory import FOLLOWS, find_intruders
-from subsea.state import APPROACHING, GUARD, NOBODY, PREDATOR, YIELD
+from subsea.perception.territory import FOLLOWS, KNOWN_S, NEIGHBOURS, find_intruders
+from subsea.state import APPROACHING, GUARD, NOBODY, PREDATOR, WANDER, YIELD
 
 
 def met(tank, *places):
@@ -54,6 +54,19 @@ def test_one_that_is_followed_counts_until_it_is_far_off(tank):
     assert seen(t) == NOBODY
 
 
+def test_a_neighbour_that_was_chased_off_lately_is_tolerated_farther_out(tank):
+    assert KNOWN_S == territory.REMEMBERS_S
+    t = met(tank, (50.0, 0.0, -300.0))
+    t.minds.chaser[1], t.minds.chased[1] = 0, territory.REMEMBERS_S + 1.0
+    assert seen(t) == 1  # it is still chased
+    t.minds.chased[1] = territory.REMEMBERS_S - 1.0
+    assert seen(t) == NOBODY
+    t.fishes.position[1, 0] = 0.8 * NEIGHBOURS * 60.0
+    assert seen(t) == 1
+    t.minds.chaser[1], t.fishes.position[1, 0] = 2, 50.0  # by another resident
+    assert seen(t) == 1
+
+
 def test_a_resident_shows_itself_before_it_chases(tank):
     t = met(tank, (50.0, 0.0, -300.0))
     t.fishes.burst[:], t.minds.intruder[0] = 1.4, 1
@@ -67,6 +80,19 @@ def test_a_resident_shows_itself_before_it_chases(tank):
     assert t.fishes.goal_speed[0] > 1.0
     assert t.minds.urge[0, 0] > 0.0
     assert t.minds.chaser[1] == 0
+
+
+def test_a_resident_gives_a_chase_up_and_rests_after_it(tank):
+    t = met(tank, (50.0, 0.0, -300.0))
+    t.minds.intruder[0], t.minds.intention[0] = 1, GUARD
+    t.minds.fatigue[GUARD, 0], t.minds.held[0] = 3.0, 2.0
+    assert t.desire(territory.desire)[0] > 0.0
+    t.minds.held[0] = territory.DISPLAY_S + territory.CHASES_S + 0.1
+    assert t.desire(territory.desire)[0] == 0.0
+    t.minds.intention[0] = WANDER
+    assert t.desire(territory.desire)[0] == 0.0
+    t.minds.fatigue[GUARD, 0] = 0.0
+    assert t.desire(territory.desire)[0] > 0.0
 
 
 def test_the_intruder_swims_away_for_a_while(tank):

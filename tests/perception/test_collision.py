@@ -21,8 +21,11 @@ from subsea.state import (
     APPROACHING,
     AVOID,
     CIRCLING,
+    CLEAN,
     EAT,
+    GRAZE,
     NOBODY,
+    POSE,
     PREDATOR,
     SCHOOL,
     SEABED,
@@ -89,6 +92,17 @@ def test_in_formation_fishes_tolerate_smaller_distances(tank):
     # Also while the school is only interrupted.
     t.minds.intention[:], t.minds.memory[:], t.minds.threat[:] = AVOID, SCHOOL, NOBODY
     assert _threats(t)[0] == NOBODY
+
+
+def test_a_cleaner_and_its_client_touch_and_grazers_tolerate_each_other(tank):
+    t = _pair(tank, (38.0, 0.0, 0.0), against=True)
+    t.minds.intention[:] = GRAZE
+    assert _threats(t) == [NOBODY, NOBODY]
+    t = _pair(tank, (20.0, 0.0, 0.0), against=True)
+    t.minds.intention[:] = CLEAN, POSE
+    assert _threats(t) == [1, 0]
+    t.minds.client[0], t.minds.cleaner[1] = 1, 0
+    assert _threats(t) == [NOBODY, NOBODY]
 
 
 def test_a_threat_is_avoided_until_it_is_well_clear(tank):
