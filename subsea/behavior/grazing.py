@@ -38,7 +38,7 @@ GIVES_UP_S = 9.0  # without a bite at a place; afar from it ...
 AFAR = 0.35  # ... this share of the time counts
 BITE = 0.2  # share of a place's stock that a bite takes
 BARE = 0.3  # stock at which a place is left
-BITE_S = 30.0  # of digestion that a bite covers: fishes feed for a third of their time
+BITE_S = 40.0  # of digestion that a bite covers: fishes feed for a third of their time
 PAUSE_PURPOSE = np.int64(121)  # key of the random numbers
 
 

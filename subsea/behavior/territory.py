@@ -15,7 +15,8 @@ from subsea.state import GUARD, NO_COURTSHIP, NOBODY, Clock, Fishes, Minds, Natu
 
 ZEAL = 0.9  # desire to drive an intruder off
 DISPLAY_S = 1.2  # how long a resident only shows itself
-CHASES_S = 5.0  # how long it then chases, and it rests as long as both last
+CHASES_S = 5.0  # how long it then chases
+RESTS = 4.0  # how many times as long as it guarded it then rests
 SHOWS = 0.06  # speed of one that does, share of the fastest
 NEAR_BL = 4.0  # distance, over the mean length, at which an intruder feels chased
 LEAVES_S = 3.0  # how long it then swims away ...
@@ -45,6 +46,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         j = minds.intruder[i]
         if j == NOBODY:
             continue
+        minds.fatigue[GUARD, i] += (RESTS - 1.0) * minds.pause[i]
         here, there = vector(fishes.position[i]), vector(fishes.position[j])
         toward = minus(there, here)
         if minds.held[i] < DISPLAY_S:
