@@ -41,7 +41,7 @@ MODEL_SEEDS = range(1, 6)  # of the published model
 LEADING = {"school.goal": 0.3}
 ANGLES = (30, 60, 90, 120, 150)
 TWO = {"school.goal": 0.9, "school.goal_feedback": 1.5}
-PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 9), 30.0
+PREY, HUNT_SEEDS, HUNT_S = (1, 6, 20), range(1, 17), 30.0
 # Range of the captures per attack on 20 over those on single prey, of four predators (Neill and
 # Cullen 1974), as assets/swimming.toml has it.
 NEILL = 0.0, 0.8
