@@ -158,13 +158,18 @@ def outside(record: Record) -> list[Outside]:
 
 
 def _from_drawn_stone(record: Record, gaps: Array, which: Ints) -> None:
-    """Measure `gaps` (T, n) of fishes that feed or hide in the shell of stone from drawn stone."""
+    """Measure `gaps` (T, n) of fishes that feed or hide in the shell of stone from drawn stone.
+
+    In the first `LEAVING_S` of a later part of a dive those of all fishes are.
+    """
     names = [k for k, name in enumerate(record.intention_names) if name in AT_STONE]
     there = np.isin(record.intention, names)
     lately = round(LEAVING_S / record.tick_s)
     close = there.copy()
     for back in range(1, lately + 1):
         close[back:] |= there[:-back]
+    if record.time[0] > record.tick_s:
+        close[:lately] = True  # a later part of a dive does not know what they did before
     ticks, fishes = np.nonzero(close & (gaps < 0.0) & (which >= BARRIERS.index("pillar")))
     if len(ticks) == 0:
         return
