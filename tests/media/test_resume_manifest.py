@@ -61,7 +61,7 @@ def test_a_film_that_was_killed_goes_on_with_the_same_pictures(tmp_path, whole, 
     assert f"{len(whole) - len(there)} frames" in capsys.readouterr().out
     assert pictures(out) == whole
     assert main(["film", str(out), *FILM]) == 0
-    assert "complete, 12 frames" in capsys.readouterr().out
+    assert "complete, 18 frames" in capsys.readouterr().out
 
 
 def test_pictures_that_were_lost_are_made_again(tmp_path, film, whole):
