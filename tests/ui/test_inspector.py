@@ -145,6 +145,7 @@ def test_a_covered_panel_is_raised_from_the_bar_and_a_dragged_one_stays_there(
     at_the_desk, user, spots, monkeypatch
 ):
     boat, inspector = at_the_desk, at_the_desk.inspector
+    inspector.places.clear()  # of panels that an earlier dive has moved
     for name in ("Under", "Over"):
         monkeypatch.setitem(PANELS, name, lambda desk: imgui.dummy((160.0, 140.0)))
         boat.frame(0.0)
