@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import numba
 import numpy as np
 
 from subsea.base.system import cores
 from subsea.jobs.workers import process_pool
+from subsea.kernels import kernel
 from subsea.lab.sweep import Sweep, sweep
 from subsea.world.world import TICK_S
 
@@ -158,7 +158,7 @@ def couzin(
     return float(_course(place, heading, goal, weight, rng.normal(0, BLUR, (STEPS, n)), feedback))
 
 
-@numba.njit  # type: ignore[misc]
+@kernel
 def _course(place: Any, heading: Any, goal: Any, weight: Any, blur: Any, feedback: bool) -> float:
     """Move the animals, in place, and return the course of the second half."""
     n = len(place)

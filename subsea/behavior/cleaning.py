@@ -20,10 +20,7 @@ ITCH_S = (800.0, 1400.0)  # from one cleaning until a fish itches fully, by its 
 BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
 WAITS_S = 15.0  # for the cleaner, which may be busy
 POSING = 0.67  # desire to be cleaned: more than to browse
-RING_CM, RING_BL = (
-    20.0,
-    1.2,
-)  # distance from the station at which clients stand, and by their length
+RING_CM, RING_BL = 20.0, 1.2  # clients stand this far from the station: constant, and per length
 THERE_BL = 0.8  # distance from that place at which a client poses
 HEAD_UP = np.tan(np.radians(48.0))  # slope of a body that poses
 CLEANING, HOLDING = 0.9, 0.25  # desire to clean, and to hold the station
@@ -84,7 +81,7 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
 
 @kernel
 def _place_in_ring(fishes: Fishes, i: int) -> Vector:
-    """Where client i stands, from the station, cm: each in its own direction."""
+    """Return the place of client i relative to the station, cm. Each has its own direction."""
     turn = 2.0 * np.pi * float(fishes.identity[i])
     away = RING_CM + RING_BL * float(fishes.length[i])
     return away * np.cos(turn), away * np.sin(turn), 0.3 * away

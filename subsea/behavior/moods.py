@@ -65,7 +65,7 @@ def update_moods(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> Non
 
 @kernel
 def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature) -> float:
-    """What fish i would do alone: -1 feed, 0 cruise, 1 be alarmed."""
+    """Compute the mood of fish i without company: -1 to feed, 0 to cruise, 1 is alarm."""
     calm = VIGILANT * nature.alarmed
     alarm = (float(minds.mental[i, FEAR]) - calm) / max(nature.alarmed - calm, 1e-3)
     if alarm > 0.0:

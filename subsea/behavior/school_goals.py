@@ -1,7 +1,7 @@
-"""Where a school without a leader goes: its destination, or the goals of its rules.
+"""Choose the goals of a school without a leader: its destination, or the goals of its rules.
 
-A share of the fishes knows; the others follow from fish to fish (Couzin et al., Nature 433:513,
-2005). Two shares may have two goals.
+A share of the fishes knows the goal. The others follow from fish to fish (Couzin et al., Nature
+433:513, 2005). Two shares may have two goals.
 """
 
 import numpy as np

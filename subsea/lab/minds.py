@@ -47,7 +47,7 @@ class EachBout(NamedTuple):
     seconds: Array
     code: Ints  # of the intention
     later: Ints  # of the next one
-    danger: Bools  # whether a danger ended it
+    danger: Bools  # True where a danger ended the bout
 
 
 def each_bout(record: Record) -> EachBout:

@@ -1,4 +1,4 @@
-"""Where fishes are: over the ground and below the surface."""
+"""Measure how high fishes are over the ground and how deep below the surface."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What a fish sees on stone and among corals: food, cover, and shadows of large things.
+"""Find what a fish sees on stone and among corals: food, cover, and shadows of large things.
 
 Sites never move, so that their grids are made once for each sea. Only a hungry fish looks for food,
 and only a fish that is alarmed, or bathes, for cover.
@@ -89,7 +89,7 @@ def grids_of(sea: Sea) -> SiteGrids:
 class Reefers(NamedTuple):
     """Fishes that those of a reef look for."""
 
-    large: Grid  # whose shadows frighten
+    large: Grid  # large fishes, which cast frightening shadows
     cleaners: Grid
     posing: Grid  # for a cleaner
 

@@ -23,7 +23,7 @@ SenseRange = Annotated[float, msgspec.Meta(ge=0, le=100)]
 
 
 class Goal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Where a share of the fishes of a school wants to go: to a place, or in a direction."""
+    """A goal of a share of the fishes of a school: a place or a direction."""
 
     share: Portion
     position_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None

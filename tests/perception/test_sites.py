@@ -1,4 +1,4 @@
-"""What a fish sees on stone: food, cover and shadows."""
+"""Sites, cover and shadows that a fish sees on stone."""
 
 import numpy as np
 import pytest
