@@ -43,7 +43,7 @@ DREAD_CM = 200.0  # D0
 SEAS_OWN = -1.0  # dusk and mild of a fish to which the constants of all fishes apply
 FOOD_STIMULUS = (0.05, 0.2)  # q1, q2 in 1/cm: food tempts from 20 cm, fully at 5 cm
 MATE_STIMULUS = (0.025, 0.1)
-DUSK = (15.0, 16.5, 19.0, 20.0)  # hours at which courtship begins, is full, fades and is over
+DUSK = (16.0, 16.5, 19.0, 20.0)  # hours at which courtship begins, is full, fades and is over
 
 
 @kernel

@@ -19,7 +19,7 @@ ALARMED_SCHOOL = "school"  # answers a danger, too, where fear is alarming
 NEAR_CM = 400.0  # a predator nearer than this causes half of the greatest fear (Tu §7.4)
 FIELD_DEG = 150.0  # half of the field of view (Tu §6.3)
 SPELL_S = 0.5  # fear that exceeds alarm within this time of the last sight was caused by it
-DAY_H = 7.0, 16.5  # hours without dawn and dusk
+DAY_H = 7.0, 16.0  # hours without dawn and dusk
 
 # The purposes of intentions. A budget shows every other intention by its own name.
 PURPOSES = {
