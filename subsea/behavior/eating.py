@@ -15,6 +15,7 @@ from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.kernels import kernel
+from subsea.perception.foraging import TEMPTING, is_tempted
 from subsea.state import EAT, HUNGER, PREDATOR, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.feelings import feel
 
@@ -42,16 +43,18 @@ def desire(
             continue
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
-        least = nature.keen * (STILL_KEEN if eats else 1.0)
+        tempted = is_tempted(minds, i, sea, nature)
+        least = nature.keen * (TEMPTING if tempted else STILL_KEEN if eats else 1.0)
         # Where it has food on stone, a grazer leaves plankton alone.
         near = minds.food[i] >= 0 and minds.site[i] < 0
         near = near and is_at_home(minds, i, vector(sea.plankton[minds.food[i]]))
-        if near and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
+        if near and not tempted and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)
         food = near or (bites and is_at_home(minds, i, vector(sea.hook)))
-        # Wary fishes stop feeding before they flee.
-        least += (1.0 - least) * wariness(minds, i, nature)
+        # Wary fishes stop feeding before they flee, except of who feeds them.
+        if not (tempted and minds.predator[i] == SUBMARINE):
+            least += (1.0 - least) * wariness(minds, i, nature)
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
 
 

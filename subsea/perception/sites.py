@@ -13,6 +13,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.geometry.noise import uniform
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
+from subsea.perception.foraging import is_tempted
 from subsea.perception.grid import Grid, make_grid, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, hidden
 from subsea.state import (
@@ -149,12 +150,10 @@ def _see_food(
     """Keep the place where fish i feeds, or choose another one in sight.
 
     It lies where the fish likes light and warmth. A fish that courts, or neither is hungry nor
-    browses, has none; nor has a hungry one that smells food from the submarine.
+    browses, has none; nor has one that food from the submarine tempts.
     """
     busy = minds.courtship[i] != NO_COURTSHIP or minds.betrothed[i] != NOBODY
-    if minds.mental[i, HUNGER] > nature.keen:
-        for k in minds.foods[i]:
-            busy = busy or (k >= 0 and sea.absent[k] < 0.0)
+    busy = busy or is_tempted(minds, i, sea, nature)
     feeds = minds.mental[i, HUNGER] > STILL_HUNGRY * nature.keen or browses(fishes, i, clock)
     if busy or minds.errand[i] > 0.0 or not feeds:
         minds.site[i] = -1

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from subsea.perception.foraging import TEMPTING
 from subsea.perception.sites import (
     FOOD_CM,
     LEAST_STOCK,
@@ -98,11 +99,11 @@ def test_it_feeds_where_it_likes_light_and_warmth(tank):
 
 def test_a_hungry_fish_leaves_stone_for_food_from_the_submarine(tank):
     t = reef(lambda n: tank(n, specks=2), 2, (TURF, 60.0, 0.0, -340.0))
-    t.minds.foods[:, 0] = 0, 1
+    t.minds.food[:] = 0, 1
     t.sea.absent[1] = -20.0  # it was scattered; the other one drifts as ever
     look(t)
     assert t.minds.site.tolist() == [0, -1]
-    t.minds.mental[:, HUNGER] = 0.9 * t.nature.keen
+    t.minds.mental[:, HUNGER] = 0.9 * TEMPTING * t.nature.keen
     look(t)
     assert t.minds.site.tolist() == [0, 0]
 
