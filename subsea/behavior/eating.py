@@ -15,9 +15,9 @@ from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.kernels import kernel
-from subsea.perception.foraging import TEMPTING, is_tempted
 from subsea.state import EAT, HUNGER, PREDATOR, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.feelings import feel
+from subsea.state.wants import TEMPTING, is_tempted
 
 STILL_KEEN = 0.6  # share of `keen` below which a fish that eats stops
 # Food for which a fish of a school turns aside: within this distance and angle ahead.
@@ -52,7 +52,7 @@ def desire(
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)
         food = near or (bites and is_at_home(minds, i, vector(sea.hook)))
-        # Wary fishes stop feeding before they flee, except of who feeds them.
+        # Wary fishes stop feeding before they flee, except of the submarine that feeds them.
         if not (tempted and minds.predator[i] == SUBMARINE):
             least += (1.0 - least) * wariness(minds, i, nature)
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0

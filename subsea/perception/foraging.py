@@ -11,12 +11,12 @@ from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
 from subsea.state import HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state.wants import TEMPTING
 
 PREY_CELL_CM = 100.0
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
 STEEPEST = 0.34  # sine of the steepest way of a stalking predator, as in `motor/controller.py`
 MISSED_COST = 2.0  # factor on the cost of prey that is warned
-TEMPTING = 0.4  # share of `keen` above which a fish is hungry enough for food from the submarine
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
@@ -56,14 +56,6 @@ def perceive_plankton(
             _forget_high(minds, i, sea, gaps)
         minds.food[i] = foods[0]
         minds.food_distance[i] = gaps[0]
-
-
-@kernel
-def is_tempted(minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
-    """True if the food of fish i is from the submarine, and it is hungry enough to come for it."""
-    k = minds.food[i]
-    tempts = k >= 0 and sea.absent[k] < 0.0 and minds.kind[i] != PREDATOR
-    return bool(tempts and minds.mental[i, HUNGER] > TEMPTING * nature.keen)
 
 
 @kernel
