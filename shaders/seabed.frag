@@ -6,6 +6,12 @@
 #endif
 
 uniform sampler2D u_ground;   // share of the sun, of the sky, of rubble
+#ifdef MOVING_SUN
+uniform sampler2D u_early_suns;  // share of the sun at eight places of its course
+uniform sampler2D u_late_suns;
+uniform vec4 u_early;  // how near it is to each of them
+uniform vec4 u_late;
+#endif
 uniform sampler2D u_ripples;  // slopes, height, grain
 uniform sampler2D u_litter;   // slopes, tone, how common
 uniform vec2 u_flow;          // along the current, across which ripples lie
@@ -33,7 +39,11 @@ void main() {
     if (faded(u_fade)) discard;
 #endif
     vec2 p = v_world.xy;
-    vec4 ground = texture(u_ground, (p - u_map.xy) / u_map.zw);
+    vec2 at = (p - u_map.xy) / u_map.zw;
+    vec4 ground = texture(u_ground, at);
+#ifdef MOVING_SUN
+    ground.x = dot(texture(u_early_suns, at), u_early) + dot(texture(u_late_suns, at), u_late);
+#endif
     // Crests wind, and lie down in places.
     mat2 flow = mat2(u_flow, -u_flow.y, u_flow.x);
     vec2 wound = (p + v_broad * vec2(20.0, 26.0)) * flow;

@@ -3,6 +3,12 @@
 in vec3 a_position;
 in vec3 a_normal;
 in vec4 a_light;  // share of the sky, of the sun, depth of the hollow, cm over the sand
+#ifdef MOVING_SUN
+in vec4 a_early;  // share of the sun at eight places of its course
+in vec4 a_late;
+uniform vec4 u_early;  // how near it is to each of them
+uniform vec4 u_late;
+#endif
 in vec3 a_cover;  // turf, coralline algae, sponge
 
 out vec3 v_world;
@@ -32,7 +38,11 @@ void main() {
     // Near the sand much of the sky is hidden by what lies about. Between vertices caustics are soft.
     // Water scatters so much light forward that no shadow is black.
     float open = mix(0.6, 1.0, smoothstep(-4.0, 25.0, a_light.w)) * (1.0 - 0.35 * a_light.z);
-    float sun = a_light.y * dapple_at(a_position) + 0.16 * (1.0 - a_light.y);
+    float share = a_light.y;
+#ifdef MOVING_SUN
+    share = dot(a_early, u_early) + dot(a_late, u_late);
+#endif
+    float sun = share * dapple_at(a_position) + 0.16 * (1.0 - share);
     v_light = vec3(open * (0.65 + 1.1 * a_light.x), open * sun, a_light.z);
     v_cover = a_cover;
     vec3 ray = v_world - u_eye;

@@ -100,6 +100,7 @@
     drawShow();
     drawCues();
     drawHealth();
+    get("feed").disabled = state.several_computers;
     for (const id of ["scenario-form", "fish-form"])
       for (const one of get(id).querySelectorAll("button[type=submit], #ride, select"))
         one.disabled = state.several_computers;
@@ -222,6 +223,7 @@
     on("fish-form", "submit", () => command("follow", { fish: get("fish").value }));
     on("ride", "click", () => command("ride", { fish: get("fish").value }));
     on("helm", "click", () => command("helm"));
+    on("feed", "click", () => command("feed"));
     on("scenario-form", "submit", () => command("scenario", { name: get("scenario").value }));
     on("quality", "change", () => command("quality", { quality: get("quality").value }));
     on("volume", "change", () => command("volume", { volume: get("volume").value / 100 }));

@@ -1,23 +1,39 @@
 """Cleaning: a cleaner holds a station; fishes that itch pose there and are picked clean.
 
 A client stands still with its head up and its fins spread. The cleaner inspects it from head to
-tail. A jolt of the client ends it, and the next one has its turn (Losey 1972).
+tail. A jolt of the client ends it, and the next one has its turn (Losey 1972). A cleaner that likes
+the submarine picks at its window when no client poses; the itch is then its own.
 """
 
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import chase, mouth_of, set_urge
+from subsea.behavior.curious import BACKS_OFF
 from subsea.behavior.grazing import feed
+from subsea.behavior.steering import BODY_BL, CLEARANCE_CM
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import rotate, x_axis
-from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.kernels import kernel
-from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, POSE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import (
+    CLEANS,
+    HULL_CM,
+    NO_COURTSHIP,
+    NOBODY,
+    POSE,
+    SUBMARINE,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
 from subsea.state.habits import is_pleasant
+from subsea.state.wants import ITCH_BEGINS, ITCH_ENDS
 
 ITCH_S = (800.0, 1400.0)  # from one cleaning until a fish itches fully, by its identity
-BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
+GLASS_S = 150.0  # likewise of a cleaner, from one visit to the window until it longs for the next
 WAITS_S = 15.0  # for the cleaner, which may be busy
 POSING = 0.67  # desire to be cleaned: more than to browse
 RING_CM, RING_BL = 20.0, 1.2  # clients stand this far from the station: constant, and per length
@@ -27,12 +43,16 @@ CLEANING, HOLDING = 0.9, 0.25  # desire to clean, and to hold the station
 CYCLE_S, HOLDS = 80.0, 0.6  # share of a cycle in which a cleaner without a client stays there
 NEAR_BL = 2.0  # distance of an idle cleaner from its station
 PASS_S = 7.0  # from head to tail and back
+# Distance of the window, and the angles within which a cleaner moves before it.
+PANE_CM, PANE_ASIDE, PANE_UP = HULL_CM + 2.0 * CLEARANCE_CM, 0.25, 0.1
+GLASS_PASS_S = 14.0  # from side to side of the window and back
 TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the cleaner's length
 PICKS_HZ = 1.2
 CLEANED_S = 9.0  # of picking take away the whole itch
 JOLT_S = 16.0  # mean time until a client jolts
 AIMED_COS, TURNS = 0.6, 0.05  # angle within which it swims ahead; its speed in a turn
-GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim
+GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim ...
+ARRIVES_BL, GENTLY = 5.0, 0.25  # ... and from this distance on, by its length; before a window
 MEALS_S = 3.0  # digestion that a second of picking covers, s
 JOLT_PURPOSE = np.int64(165)  # key of the random numbers
 
@@ -45,9 +65,10 @@ def posing_desire(
     low, high = ITCH_S
     for i in who:
         out[i] = 0.0
-        if minds.ways[i] == 0 or minds.ways[i] & CLEANS:
+        if minds.ways[i] == 0:
             continue
         full = low + (high - low) * fishes.identity[i]
+        full = GLASS_S if minds.ways[i] & CLEANS else full
         minds.itch[i] = min(minds.itch[i] + minds.pause[i] / full, 1.0)
         c = minds.cleaner[i]
         if c == NOBODY or minds.errand[i] > 0.0:
@@ -55,7 +76,7 @@ def posing_desire(
         poses = minds.intention[i] == POSE
         # Where another one is cleaned, it goes on with what it does, and comes again.
         free = poses or minds.client[c] in (NOBODY, i)
-        if free and minds.itch[i] > (ENDS if poses else BEGINS):
+        if free and minds.itch[i] > (ITCH_ENDS if poses else ITCH_BEGINS):
             out[i] = POSING
 
 
@@ -67,7 +88,7 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
         if c == NOBODY:
             continue
         if minds.held[i] > WAITS_S and minds.client[c] != i:
-            minds.itch[i] = 0.9 * ENDS  # it gives up for now
+            minds.itch[i] = 0.9 * ITCH_ENDS  # it gives up for now
         spot = plus(vector(minds.home[c]), _place_in_ring(fishes, i))
         toward = minus(spot, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
@@ -125,23 +146,53 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             if gap < NEAR_BL * length:
                 fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(0.5 * GLIDES))
             continue
-        skin = _skin(fishes, i, j, now)
+        at_glass = j == SUBMARINE
+        skin = _glass(sea, i, now) if at_glass else _skin(fishes, i, j, now)
         toward = minus(skin, mouth_of(fishes, i))
         gap = norm(toward)
         if gap > NEAR_BL * length:
-            chase(fishes, minds, i, skin, vector(fishes.velocity[j]))
+            chase(fishes, minds, i, skin, ZERO if at_glass else vector(fishes.velocity[j]))
+            if gap < ARRIVES_BL * length:
+                fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(GLIDES))
             continue
         set_urge(minds, i, toward)
+        if at_glass and _keeps_off(fishes, minds, i, sea):
+            continue
         # It turns about on the spot, as a wide turn would lead it away from its client.
         aimed = dot(x_axis(fishes.orientation[i]), toward) > AIMED_COS * gap
-        fishes.goal_speed[i] = max(GLIDES * min(gap / length, 1.0), TURNS) if aimed else TURNS
+        fastest = GENTLY if at_glass else GLIDES
+        fishes.goal_speed[i] = max(fastest * min(gap / length, 1.0), TURNS) if aimed else TURNS
         if gap > TOUCH_BL * length:
             continue
         fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)
-        minds.itch[j] = max(minds.itch[j] - np.float32(minds.pause[i] / CLEANED_S), np.float32(0.0))
+        c = i if at_glass else j
+        minds.itch[c] = max(minds.itch[c] - np.float32(minds.pause[i] / CLEANED_S), np.float32(0.0))
         feed(minds, i, MEALS_S * float(minds.pause[i]), now)
-        if uniform(clock.seed, j, clock.tick, JOLT_PURPOSE) < minds.pause[i] / JOLT_S:
-            minds.itch[j] = min(minds.itch[j], np.float32(0.5 * ENDS))
+        jolts = uniform(clock.seed, c, clock.tick, JOLT_PURPOSE) < minds.pause[i] / JOLT_S
+        if jolts and not at_glass:
+            minds.itch[c] = min(minds.itch[c], np.float32(0.5 * ITCH_ENDS))
+
+
+@kernel
+def _keeps_off(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> bool:
+    """Let cleaner i, if it is too near to the hull, back off, or turn and leave."""
+    toward = minus(vector(sea.submarine[:3]), vector(fishes.position[i]))
+    if norm(toward) > PANE_CM + 0.5 * BODY_BL * float(fishes.length[i]):
+        return False
+    faces = dot(toward, x_axis(fishes.orientation[i])) > 0.0
+    set_urge(minds, i, toward if faces else times(-1.0, toward))
+    fishes.goal_speed[i] = BACKS_OFF if faces else GENTLY
+    return True
+
+
+@kernel
+def _glass(sea: Sea, i: int, now: float) -> Vector:
+    """The point of the window at which cleaner i is at a time."""
+    gaze = vector(sea.submarine[6:9])
+    turn = 2.0 * np.pi * now / GLASS_PASS_S + i
+    aside, up = PANE_ASIDE * np.sin(turn), PANE_UP * np.sin(0.6 * turn)
+    way = (gaze[0] - aside * gaze[1], gaze[1] + aside * gaze[0], gaze[2] + up)
+    return plus(vector(sea.submarine[:3]), times(PANE_CM, unit(way)))
 
 
 @kernel

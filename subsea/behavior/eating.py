@@ -17,6 +17,7 @@ from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.state import EAT, HUNGER, PREDATOR, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.feelings import feel
+from subsea.state.wants import TEMPTING, is_tempted
 
 STILL_KEEN = 0.6  # share of `keen` below which a fish that eats stops
 # Food for which a fish of a school turns aside: within this distance and angle ahead.
@@ -42,16 +43,18 @@ def desire(
             continue
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
-        least = nature.keen * (STILL_KEEN if eats else 1.0)
+        tempted = is_tempted(minds, i, sea, nature)
+        least = nature.keen * (TEMPTING if tempted else STILL_KEEN if eats else 1.0)
         # Where it has food on stone, a grazer leaves plankton alone.
         near = minds.food[i] >= 0 and minds.site[i] < 0
         near = near and is_at_home(minds, i, vector(sea.plankton[minds.food[i]]))
-        if near and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
+        if near and not tempted and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)
         food = near or (bites and is_at_home(minds, i, vector(sea.hook)))
-        # Wary fishes stop feeding before they flee.
-        least += (1.0 - least) * wariness(minds, i, nature)
+        # Wary fishes stop feeding before they flee, except of the submarine that feeds them.
+        if not (tempted and minds.predator[i] == SUBMARINE):
+            least += (1.0 - least) * wariness(minds, i, nature)
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
 
 

@@ -21,6 +21,7 @@ from subsea.state import (
     PREDATOR,
     RIGHT,
     SHELTER,
+    SUBMARINE,
     Clock,
     Fishes,
     Minds,
@@ -57,8 +58,9 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         urge = times(1.0 / size, urge) if size >= 1e-9 else ahead
         if minds.intention[i] not in STEEP:
             urge = flattened(urge, STEEPEST)
+        at_glass = minds.intention[i] == CLEAN and minds.client[i] == SUBMARINE
         if fishes.close[i]:  # contact alone keeps it out of what it feeds on or hides in
-            set_urge(minds, i, _off_the_hull(here, fishes.length[i], hull, velocity, urge))
+            set_urge(minds, i, _off_the_hull(here, length, hull, velocity, urge))
             continue
         snout = plus(here, times(float(fishes.snout[i]), ahead))
         tail = plus(snout, times(-length, ahead))
@@ -75,7 +77,8 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
             for part in (tail, snout):
                 urge = _inside(part, reach, room, sea, urge)
                 urge = _around(part, reach, room, sea, near, urge)
-            urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
+            if not at_glass:  # a cleaner keeps off by itself
+                urge = _off_the_hull(here, length, hull, velocity, urge)
         for part in (tail, snout):
             urge = _out_of_corner(part, reach, room, sea, near, urge)
         set_urge(minds, i, urge)

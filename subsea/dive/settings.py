@@ -73,7 +73,7 @@ CONTROLS: dict[ControlName, Control] = {
     "alight": Control("leave the fish; its inputs may mean something else elsewhere",
                       ("Esc", "pad B")),
     "lights": Control("the submarine's lights", ("B", "pad up", "pad left bumper")),
-    "feed": Control("scatter food for the fishes", ("V",)),
+    "feed": Control("scatter food for the fishes", ("V", "pad down")),
     "instruments": Control("show or hide the instruments", ("U",)),
     "fullscreen": Control("full screen, and back", ("F", "F11")),
     "pause": Control("let time stand still, and go on", ("K",)),

@@ -16,6 +16,7 @@ import numpy as np
 from subsea.base.language import translated
 from subsea.dive.idle_timer import MAX_TICKS_PER_FRAME, TickClock
 from subsea.world import snapshot
+from subsea.world.feeding import scatter_food
 from subsea.world.step import Order, step
 from subsea.world.to_scenario import Tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S, World
@@ -179,6 +180,13 @@ class Timeline:
             self._world.seen_light.clear()
             self._world.seen_light.update(made.seen_light)
             step(self._world, made.order)
+
+    def feed(self) -> bool:
+        """Scatter food before the submarine, as `scatter_food`; True if some was due."""
+        fed = scatter_food(self._world)
+        if fed:
+            self.touch()
+        return fed
 
     def touch(self) -> None:
         """Store a snapshot now, because the world was changed since the last tick."""

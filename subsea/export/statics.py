@@ -84,7 +84,7 @@ def _sand(scene: RenderScene) -> Iterator[SceneMesh]:
         scene.water.hour, scene.reef,
     )  # fmt: skip
     growths, _ = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
-    light = with_growths(ground, growths, sun_at(scene.water.hour)[0]) / 255.0
+    light = with_growths(ground, growths, sun_at(scene.water.hour)[0])[0] / 255.0
     texels = np.array([light.shape[1], light.shape[0]])
     at = (points[:, :2] - ground.corner) / ground.size * texels - 0.5
     sky, rubble = (_sampled(light[..., k], at, wrap=False) for k in (1, 2))

@@ -60,6 +60,26 @@ def sun_at(hour: float) -> tuple[Vector, float]:
     return (x, y, math.sqrt(1.0 - x * x - y * y)), math.sin(turn) * high
 
 
+SUNS = 8  # directions of the sun for which the shade of a moving day is known
+
+
+def suns_of_day() -> Array:
+    """Compute directions (SUNS, 3) toward the sun, even along its course from east to west."""
+    across = np.linspace(1.0, -1.0, SUNS)
+    return np.array([sun_at(6.0 + 12.0 / math.pi * math.acos(one))[0] for one in across])
+
+
+def shares_of_suns(sun: Array) -> Array:
+    """Compute the shares (SUNS,) of `suns_of_day` in the shade of a `sun` between two of them.
+
+    The moon takes the course of the sun.
+    """
+    flat = math.hypot(SUN[0], SUN[1])
+    across = WATER_INDEX * float(sun[0] * SUN[1] - sun[1] * SUN[0]) / flat
+    place = 0.5 * (1.0 - across) * (SUNS - 1)
+    return np.asarray(np.maximum(1.0 - np.abs(np.arange(SUNS) - place), 0.0))
+
+
 def night_at(hour: float) -> tuple[float, float]:
     """Compute how dark the sky is at an hour, and how much of the moon's light there is, 0 to 1.
 

@@ -10,7 +10,8 @@ from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
-from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state import HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state.wants import TEMPTING
 
 PREY_CELL_CM = 100.0
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
@@ -27,30 +28,42 @@ def cell_cm(sea: Sea) -> float:
 
 @kernel
 def perceive_plankton(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, grid: Grid, nature: Nature
-) -> None:
-    """Set the food of the plankton eaters among the fishes `who` from the specks of `grid`.
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, specks: Grid, scattered: Grid,
+    nature: Nature,
+) -> None:  # fmt: skip
+    """Set the food of the plankton eaters among the fishes `who` from the grids of all `specks`.
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
     is the larger, smell alone decides. A fish that keeps to the ground minds only specks that are
-    no higher than it cruises.
+    no higher than it cruises. A pinch of `scattered` food from the submarine, which lies together,
+    is more than single specks: a fish that it tempts minds nothing else.
     """
     gaps = np.empty(minds.foods.shape[1])
     for i in who:
-        if minds.kind[i] != PREDATOR:
-            mouth = eye_of(fishes, i)
-            guess = farthest(sea.plankton, mouth, minds.foods[i])
-            nearest(grid, mouth, nature.smell_cm, -1, minds.foods[i], gaps, guess)
-            if minds.cruise_height[i, 1] < np.inf:
-                _forget_high(minds, i, sea, gaps)
-            minds.food[i] = minds.foods[i, 0]
-            minds.food_distance[i] = gaps[0]
+        if minds.kind[i] == PREDATOR:
+            continue
+        mouth, foods = eye_of(fishes, i), minds.foods[i]
+        guess = farthest(sea.plankton, mouth, foods)
+        foods[:] = -1
+        if len(scattered.member) > 0 and minds.mental[i, HUNGER] > TEMPTING * nature.keen:
+            nearest(scattered, mouth, nature.smell_cm, -1, foods, gaps, nature.smell_cm)
+            _forget_high(minds, i, sea, gaps)
+            if foods[0] >= 0:
+                away = minus(vector(sea.plankton[foods[0]]), vector(minds.home[i]))
+                foods[0] = foods[0] if norm(away) <= minds.home_range[i] else -1
+        if foods[0] < 0:
+            nearest(specks, mouth, nature.smell_cm, -1, foods, gaps, guess)
+            _forget_high(minds, i, sea, gaps)
+        minds.food[i] = foods[0]
+        minds.food_distance[i] = gaps[0]
 
 
 @kernel
 def _forget_high(minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
     """Remove specks from the food of fish i, and their `gaps`, that are higher than it cruises."""
     kept, foods = 0, minds.foods[i]
+    if minds.cruise_height[i, 1] == np.inf:
+        return
     for k in range(len(foods)):
         if foods[k] < 0:
             continue

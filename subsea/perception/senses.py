@@ -75,6 +75,7 @@ class Surroundings(NamedTuple):
 
     crowds: tuple[Crowd, Crowd]
     specks: Grid
+    scattered: Grid  # the specks that are food from the submarine
     hunters: Grid
     mild: Grid  # pacifists
 
@@ -126,7 +127,7 @@ def look_around(
     territory.find_intruders(who, fishes, minds, around.crowds)
     collision.find_barriers(who, fishes, minds, sea, nature)
     predators.see_predators(who, fishes, minds, sea, around.hunters, nature)
-    foraging.perceive_plankton(who, fishes, minds, sea, around.specks, nature)
+    foraging.perceive_plankton(who, fishes, minds, sea, around.specks, around.scattered, nature)
     if len(around.mild.member) > 0:
         mates.see_mates(who, fishes, minds, sea, around.mild, nature)
 
@@ -143,12 +144,15 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
         )
 
     species = [int(kind) for kind in np.unique(fishes.species[who])]
-    crowds, schools, specks, hunters, prey, mild, *fellows = side_by_side(
+    crowds, schools, specks, scattered, hunters, prey, mild, *fellows = side_by_side(
         [
             lambda: collision.crowds_of(fishes),
             lambda: leader_tracking.schools_of(fishes, minds),
             lambda: make_grid(
                 sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea)
+            ),
+            lambda: make_grid(
+                sea.plankton, np.flatnonzero(sea.absent < 0.0), foraging.cell_cm(sea)
             ),
             grid(True, PREDATOR, predators.CELL_CM),
             grid(hunting, PREY, foraging.PREY_CELL_CM),
@@ -158,7 +162,7 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
         len(alive) >= LEAST_GRIDS,
     )
     by_species = dict(zip(species, fellows, strict=True))
-    return Survey(Surroundings(crowds, specks, hunters, mild), schools, prey, by_species)
+    return Survey(Surroundings(crowds, specks, scattered, hunters, mild), schools, prey, by_species)
 
 
 @kernel

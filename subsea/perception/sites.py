@@ -27,13 +27,16 @@ from subsea.state import (
     NOBODY,
     POSE,
     SITES,
+    SUBMARINE,
     Clock,
     Fishes,
     Minds,
     Nature,
     Sea,
 )
+from subsea.state.feelings import feeling_for
 from subsea.state.habits import is_pleasant
+from subsea.state.wants import ITCH_BEGINS, ITCH_ENDS, is_tempted
 
 CELL_CM = 60.0
 FOOD_CM, COVER_CM = 400.0, 250.0  # distances at which food is seen and cover is reached
@@ -52,6 +55,7 @@ STILL_HUNGRY = 0.3  # share of `keen` at which a feeding fish is full
 CYCLE_S = (40.0, 70.0)  # in which a fish browses, by its identity ...
 BROWSING = 0.1  # ... for this share: with meals, fishes feed for about a third of the day
 STATION_CM, CLEANER_CM = 180.0, 500.0  # around a station; from which a client sees a cleaner
+GLASS_CM, AMIABLE = 350.0, 0.1  # distance of a hull that a cleaner visits, and its liking
 AWAY_CM = 300.0  # distance of a cleaner from its station at which it has no clients
 ITCHES = 0.35  # itch at which a fish looks for a cleaner
 FAVOURS_CM = 120.0  # by which a favourite place may be farther away ...
@@ -119,11 +123,15 @@ def see_sites(
             minds.dark[i] = rests(fishes, i, sea)
             minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
             _see_cover(i, fishes, minds, sea, clock, grids, room)
+        before = minds.client[i]
         minds.cleaner[i] = minds.client[i] = NOBODY
         if minds.ways[i] & CLEANS and is_pleasant(minds, i, minds.home[i, 2]):
             # The fish that poses nearest to its station.
             nearest(others.posing, vector(minds.home[i]), STATION_CM, i, one, gap, GUESS_CM)
             minds.client[i] = one[0]
+            least = ITCH_ENDS if before == SUBMARINE else ITCH_BEGINS
+            if one[0] == NOBODY and minds.itch[i] > least and likes_glass(fishes, minds, i, sea):
+                minds.client[i] = SUBMARINE
         elif minds.itch[i] > ITCHES and not minds.ways[i] & CLEANS:
             here = vector(fishes.position[i])
             nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)
@@ -142,6 +150,17 @@ def is_near_station(fishes: Fishes, minds: Minds, i: int) -> bool:
 
 
 @kernel
+def likes_glass(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> bool:
+    """True if cleaner i likes the submarine, which stands still near it, in the fish's range."""
+    hull = vector(sea.submarine[:3])
+    if norm(vector(sea.submarine[3:6])) > ADRIFT_CM_S or feeling_for(minds, i, SUBMARINE) < AMIABLE:
+        return False
+    if norm(minus(hull, vector(minds.home[i]))) > minds.home_range[i]:
+        return False
+    return norm(minus(hull, vector(fishes.position[i]))) < GLASS_CM
+
+
+@kernel
 def _see_food(
     i: int, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock,
     grids: SiteGrids, room: Nearest,
@@ -149,12 +168,10 @@ def _see_food(
     """Keep the place where fish i feeds, or choose another one in sight.
 
     It lies where the fish likes light and warmth. A fish that courts, or neither is hungry nor
-    browses, has none; nor has a hungry one that smells food from the submarine.
+    browses, has none; nor has one that food from the submarine tempts.
     """
     busy = minds.courtship[i] != NO_COURTSHIP or minds.betrothed[i] != NOBODY
-    if minds.mental[i, HUNGER] > nature.keen:
-        for k in minds.foods[i]:
-            busy = busy or (k >= 0 and sea.absent[k] < 0.0)
+    busy = busy or is_tempted(minds, i, sea, nature)
     feeds = minds.mental[i, HUNGER] > STILL_HUNGRY * nature.keen or browses(fishes, i, clock)
     if busy or minds.errand[i] > 0.0 or not feeds:
         minds.site[i] = -1

@@ -77,8 +77,9 @@ class Renderer(GpuOwner):
         with ThreadPoolExecutor() as pool:
             bed = scene.terrain, scene.terrain_half_width_cm
             solids = *bed, scene.pillars, scene.rocks, scene.water.hour
-            stone = pool.submit(lambda: cached(overgrown, *solids, scene.reef))
-            ground = pool.submit(lambda: cached(surroundings, *solids, scene.reef))
+            moving = (True,) if scene.water.day_minutes else ()
+            stone = pool.submit(lambda: cached(overgrown, *solids, scene.reef, *moving))
+            ground = pool.submit(lambda: cached(surroundings, *solids, scene.reef, *moving))
             growths = pool.submit(bake, scene.reef)
             self._caustics = self.own(repeating(context, near_and_far, 1))
             self._noise = self.own(repeating(context, noise, 2))

@@ -266,7 +266,9 @@ class Minds(NamedTuple):
     dark: Annotated[BOOL, perception("n"), "whether it is too dark for it to be about"]
     intruder: Annotated[FISH, perception("n"), "fish in its territory, or NOBODY"]
     cleaner: Annotated[FISH, perception("n"), "cleaner whose station it knows, or NOBODY"]
-    client: Annotated[FISH, perception("n"), "fish that poses for this cleaner, or NOBODY"]
+    client: Annotated[
+        FISH_OR_HULL, perception("n"), "fish that poses for this cleaner, SUBMARINE or NOBODY"
+    ]
 
     mental: Annotated[F32, behavior("n", 3), "columns HUNGER, LIBIDO, FEAR, in [0, 1]"]
     eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
@@ -340,7 +342,7 @@ class Minds(NamedTuple):
     liking: Annotated[F32, behavior("n", FEELINGS), "the feeling: -1 dislike to 1 liking"]
     peck: Annotated[F32, behavior("n", unit="s"), "time until it bites again at `site`"]
     wary: Annotated[F32, behavior("n", unit="s"), "time until it leaves its cover"]
-    itch: Annotated[F32, behavior("n"), "how much it wants to be cleaned, in [0, 1]"]
+    itch: Annotated[F32, behavior("n"), "how much it wants to be cleaned, or a cleaner the glass"]
     chaser: Annotated[FISH, behavior("n"), "whose territory it leaves, or NOBODY"]
     chased: Annotated[F32, behavior("n", unit="s"), "time until it forgets `chaser`"]
 

@@ -10,7 +10,6 @@ from subsea.dive.settings import Command, ControlName, key_words
 from subsea.dive.timeline import Timeline
 from subsea.view.front_screen import front_view
 from subsea.view.retina import Gaze
-from subsea.world.feeding import scatter_food
 from subsea.world.world import TICK_S
 
 if TYPE_CHECKING:
@@ -139,8 +138,7 @@ class Commands:
         dive = self._dive
         if dive.timeline is None:
             dive.overlay.note(translated("no food here: several computers show this dive"))
-        elif scatter_food(dive.world):
-            dive.timeline.touch()
+        elif dive.timeline.feed():
             dive.overlay.note(translated("food for the fishes"))
 
     def _change_time(self, act: Callable[[Timeline], None]) -> None:

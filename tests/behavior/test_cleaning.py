@@ -8,6 +8,7 @@ from subsea.behavior.courtship import ease_display
 from subsea.behavior.table import INTENTIONS
 from subsea.geometry.vector import norm
 from subsea.state import CLEAN, CLEANS, HIDES, NOBODY, POSE
+from subsea.state.wants import ITCH_BEGINS, ITCH_ENDS
 
 
 def station(tank):
@@ -27,11 +28,10 @@ def test_the_codes_are_those_of_the_table():
 
 def test_an_itch_grows_until_a_fish_goes_to_a_cleaner(tank):
     t = station(tank)
-    t.minds.itch[1] = cleaning.BEGINS - 0.01
+    t.minds.itch[1] = ITCH_BEGINS - 0.01
     assert t.desire(cleaning.posing_desire)[1] == 0.0
     t.minds.pause[:] = 0.02 * cleaning.ITCH_S[1]
     assert t.desire(cleaning.posing_desire)[1] == pytest.approx(cleaning.POSING)
-    assert t.minds.itch[0] == 0.0  # a cleaner has none
     t.minds.cleaner[1] = NOBODY
     assert t.desire(cleaning.posing_desire)[1] == 0.0
 
@@ -90,7 +90,7 @@ def test_it_picks_at_the_skin_until_the_itch_is_gone_or_the_client_jolts(tank):
     for tick in range(3000):
         t.minds.itch[1] = 1.0
         t.at(tick).run(cleaning.act, 0)
-        jolts += t.minds.itch[1] < cleaning.ENDS
+        jolts += t.minds.itch[1] < ITCH_ENDS
     expected = 3000 * t.clock.dt / cleaning.JOLT_S
     assert 0.5 * expected < jolts < 2.0 * expected
 

@@ -22,9 +22,12 @@ from subsea.state import (
     NOBODY,
     POLYPS,
     POSE,
+    SUBMARINE,
     TURF,
     Clock,
 )
+from subsea.state.feelings import feel
+from subsea.state.wants import TEMPTING
 
 
 def reef(tank, n, *sites, **solids):
@@ -98,11 +101,11 @@ def test_it_feeds_where_it_likes_light_and_warmth(tank):
 
 def test_a_hungry_fish_leaves_stone_for_food_from_the_submarine(tank):
     t = reef(lambda n: tank(n, specks=2), 2, (TURF, 60.0, 0.0, -340.0))
-    t.minds.foods[:, 0] = 0, 1
+    t.minds.food[:] = 0, 1
     t.sea.absent[1] = -20.0  # it was scattered; the other one drifts as ever
     look(t)
     assert t.minds.site.tolist() == [0, -1]
-    t.minds.mental[:, HUNGER] = 0.9 * t.nature.keen
+    t.minds.mental[:, HUNGER] = 0.9 * TEMPTING * t.nature.keen
     look(t)
     assert t.minds.site.tolist() == [0, 0]
 
@@ -117,6 +120,49 @@ def test_a_cleaner_that_dislikes_the_water_of_its_station_has_no_clients(tank):
         look(t)
         assert t.minds.cleaner[1] == cleaner
         assert t.minds.client[0] == (1 if cleaner == 0 else NOBODY)
+
+
+def test_a_cleaner_that_likes_a_submarine_at_rest_has_it_for_a_client(tank):
+    t = reef(tank, 2)
+    t.minds.ways[:], t.minds.home[:] = (CLEANS, HIDES), t.fishes.position
+    t.sea.submarine[:3] = 150.0, 0.0, -300.0
+    t.minds.itch[0] = 1.0
+    look(t)
+    assert t.minds.client[0] == NOBODY
+    feel(t.minds, 0, SUBMARINE, 0.3)
+    look(t)
+    assert t.minds.client[0] == SUBMARINE
+    t.sea.submarine[3] = 40.0  # it leaves
+    look(t)
+    assert t.minds.client[0] == NOBODY
+    t.sea.submarine[3], t.minds.intention[1] = 0.0, POSE  # a fish has precedence
+    look(t)
+    assert t.minds.client[0] == 1
+
+
+def test_a_visit_to_the_window_begins_and_ends_as_an_itch_does(tank):
+    t = reef(tank, 1)
+    t.minds.ways[:], t.minds.home[:] = CLEANS, t.fishes.position
+    t.sea.submarine[:3] = 150.0, 0.0, -300.0
+    feel(t.minds, 0, SUBMARINE, 0.3)
+    seen = []
+    for itch in (0.59, 0.61, 0.31, 0.29, 0.31):
+        t.minds.itch[0] = itch
+        look(t)
+        seen.append(int(t.minds.client[0]))
+    assert seen == [NOBODY, SUBMARINE, SUBMARINE, NOBODY, NOBODY]
+
+
+def test_large_fishes_leave_their_cover_before_small_ones(tank):
+    t = reef(tank, 3)
+    t.minds.ways[:], t.fishes.length[:] = HIDES, (10.0, 20.0, 40.0)
+    left = []
+    for daylight in np.arange(0.0, 0.4, 0.005):
+        t.sea.sky[1] = daylight
+        look(t)
+        left.append((~t.minds.dark.astype(bool)).tolist())
+    dawn = np.argmax(left, axis=0)
+    assert (np.diff(dawn) < 0).all()
 
 
 def test_cover_is_sought_under_a_moving_shadow(tank):

@@ -68,6 +68,20 @@ def test_the_same_tick_gives_the_same_food():
     assert snapshot.checksum(worlds[0]) == snapshot.checksum(worlds[1])
 
 
+@pytest.mark.parametrize(("hunger", "comes"), [(0.5, True), (0.0, False)])
+def test_a_school_leaves_its_way_for_food_unless_it_is_full(hunger, comes):
+    scenario = load_scenario("peaceful").scenario
+    place = tuple(np.add(scenario.submarine.position_cm, (420.0, 60.0, 20.0)))
+    shoal = Shoal(species="fusilier", number=12, position_cm=place, hunger=hunger, digestion=1e-5)
+    scenario = replace(scenario, fish=[shoal], tour=[], individual=[])
+    world = create_world(scenario, seed=5)
+    assert scatter_food(world)
+    pinch = np.flatnonzero(world.state.sea.absent < 0.0)
+    run(world, 20.0)
+    eaten = (world.state.sea.absent[pinch] > 0.0).sum()
+    assert eaten >= 6 if comes else eaten == 0
+
+
 def test_fed_fishes_like_the_submarine_and_come():
     liking = []
     for feeds in (False, True):

@@ -22,7 +22,7 @@ _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 _SAMPLERS = (
     "u_table", "u_caustics", "u_noise", "u_skins", "u_vertices", "u_places", "u_relief", "u_leaves",
     "u_waves", "u_ground", "u_ripples", "u_litter", "u_tracks", "u_grain", "u_polyps", "u_sun_map",
-    "u_fish_map", "u_shafts", "u_mask", "u_bloom",
+    "u_fish_map", "u_shafts", "u_mask", "u_bloom", "u_early_suns", "u_late_suns",
 )  # fmt: skip
 TEXTURE_UNITS = {name: unit for unit, name in enumerate(_SAMPLERS)}
 """The texture unit of each sampler; any other sampler reads unit 0."""

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from subsea.base.arrays import Array
 from subsea.frame.packet import MOST_BITES, Packet
 from subsea.habitat.day import daylight_at
-from subsea.habitat.stone import night_at, sun_at
+from subsea.habitat.stone import night_at, shares_of_suns, sun_at
 from subsea.rendering.gl.shaders import view_block
 from subsea.scenario.schema import LUMINANCE, Water, attenuation
 from subsea.view.camera import View
@@ -87,7 +87,9 @@ class Daylight:
             "u_sink": VIOLET * np.exp(-SINK * np.sqrt(self.taken)),
         }
         shown: dict[str, Any] = {name: tuple(one.tolist()) for name, one in colours.items()}
-        return shown | {"u_shafting": self.shafts}
+        shares = shares_of_suns(self.sun).tolist()
+        suns = {"u_early": tuple(shares[:4]), "u_late": tuple(shares[4:])}
+        return shown | suns | {"u_shafting": self.shafts}
 
     @cached_property
     def taken(self) -> Array:

@@ -27,7 +27,16 @@ from subsea.habitat.formations import (
     on_the_surface,
     rough_distance,
 )
-from subsea.habitat.stone import SUN, Shade, box_of, openness, passes, shade_of, sun_at
+from subsea.habitat.stone import (
+    SUN,
+    Shade,
+    box_of,
+    openness,
+    passes,
+    shade_of,
+    sun_at,
+    suns_of_day,
+)
 from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import PILLAR, ROCK, object_id
 from subsea.rendering.gl.programs import ProgramVariants
@@ -51,20 +60,27 @@ PIECE_CM = 220.0  # width of a piece, which has its own level
 NEAR_CM = 200.0  # formations closer than this shade one another
 SUN_WIDE = 0.16  # width of the cone of sunlight, for soft shadows
 
-# Columns of a vertex: position, normal, then light and cover.
+# Columns of a vertex: position, normal, light and cover; then shares of the suns of a moving day.
 COLUMNS = 13
+NO_SUNS = np.zeros((0, 3))
 SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
 
 
-def shapes(formations: list[Array], floor: Floor, sun: Vector = SUN) -> list[list[StaticMesh]]:
-    """The levels of each formation, finest first; `sun` is the direction toward the sun."""
+def shapes(
+    formations: list[Array], floor: Floor, sun: Vector = SUN, suns: Array = NO_SUNS
+) -> list[list[StaticMesh]]:
+    """The levels of each formation, finest first.
+
+    `sun` is the direction toward the sun. Each of `suns` (s, 3) has one more column of vertices.
+    """
+    ways = np.concatenate([np.array([sun]), suns])
     # Kernels and numpy release the GIL.
     with ThreadPoolExecutor() as pool:
         shades = list(pool.map(shade_of, formations))
 
         def levels(number: int) -> list[StaticMesh]:
             near = [shades[k] for k in _neighbours(formations, number)]
-            return _levels(formations[number], near, floor, sun)
+            return _levels(formations[number], near, floor, ways)
 
         shaped = list(pool.map(levels, range(len(formations))))
     # A stone deep in the sand has no triangles.
@@ -116,13 +132,13 @@ def _neighbours(formations: list[Array], number: int) -> list[int]:
     return numbers
 
 
-def _levels(blocks: Array, near: list[Shade], floor: Floor, sun: Vector) -> list[StaticMesh]:
+def _levels(blocks: Array, near: list[Shade], floor: Floor, suns: Array) -> list[StaticMesh]:
     """The levels of a formation from one field: every sample, every second, and so on."""
     field, corner, cell = sampled(blocks, floor)
     levels: list[StaticMesh] = []
     for k in range(LEVELS):
         part = field[:: 2**k, :: 2**k, :: 2**k]
-        shape = _shape(part, corner, cell * 2**k, blocks, near, floor, sun)
+        shape = _shape(part, corner, cell * 2**k, blocks, near, floor, suns)
         # A thin stone may fall between coarse samples.
         levels.append(levels[-1] if levels and not len(shape.triangles) else shape)
     return levels
@@ -146,7 +162,7 @@ def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
 
 def _shape(
     field: Array, corner: Array, cell: float, blocks: Array, near: list[Shade], floor: Floor,
-    sun: Vector,
+    suns: Array,
 ) -> StaticMesh:  # fmt: skip
     cells, triangles = surface_net(field)
     # Vertices of coarse levels move onto the surface, but stay in their cells.
@@ -155,13 +171,14 @@ def _shape(
     shift = place - start
     far = np.linalg.norm(shift, axis=1) / (0.6 * cell)
     place = start + shift / np.maximum(far, 1.0)[:, None]
-    vertices = np.zeros((len(place), COLUMNS), np.float32)
+    vertices = np.zeros((len(place), COLUMNS + len(suns) - 1), np.float32)
     vertices[:, 0:3], vertices[:, 3:6] = place, normal
     _dress(blocks, place, normal, vertices)
     vertices[:, SKY : SUNNY + 1] = 1.0
+    vertices[:, COLUMNS:] = 1.0
     for shade in near:
         vertices[:, SKY] *= openness(shade, place, normal)
-        _sun(shade, place, normal, sun, vertices)
+        _sun(shade, place, normal, suns, vertices)
     vertices[:, ABOVE] = place[:, 2] - floor(place[:, 0], place[:, 1])
     shown = vertices[:, ABOVE] > -BURIED_CM
     return StaticMesh(vertices, triangles[shown[triangles].any(axis=1)].astype(np.int32))
@@ -201,13 +218,15 @@ def _sample(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int
 
 
 @kernel
-def _sun(shade: Shade, place: Array, normal: Array, sun: Vector, out: Array) -> None:
-    """Multiply the sunlight by what a formation lets through."""
+def _sun(shade: Shade, place: Array, normal: Array, suns: Array, out: Array) -> None:
+    """Multiply the sunlight from each of `suns` (s, 3) by what a formation lets through."""
     for i in range(len(place)):
         x, y, z = place[i]
         n = vector(normal[i])
         away = (x + 4.0 * n[0], y + 4.0 * n[1], z + 4.0 * n[2])
-        out[i, 7] *= passes(shade, away, sun, SUN_WIDE)
+        for k in range(len(suns)):
+            column = SUNNY if k == 0 else COLUMNS + k - 1
+            out[i, column] *= passes(shade, away, vector(suns[k]), SUN_WIDE)
 
 
 @kernel
@@ -233,22 +252,34 @@ LEVELS_PX = (900.0, 230.0)  # diameters of a piece from which its levels are use
 
 
 def pieces(
-    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float
+    terrain: Array,
+    half_width_cm: float,
+    pillars: Array,
+    rocks: Array,
+    hour: float,
+    moving: bool = False,
 ) -> list[list[StaticMesh]]:
     """The formations of a `RenderScene` in pieces: the levels of each piece, finest first.
 
-    `hour` tells where the sun is.
+    `hour` tells where the sun is; with `moving` they have the shade of all suns of a day, too.
     """
     floor = partial(drawn_height, terrain, half_width_cm)
-    stones = formations(pillars, rocks)
-    return [piece for levels in shapes(stones, floor, sun_at(hour)[0]) for piece in cut(levels)]
+    suns = suns_of_day() if moving else NO_SUNS
+    shaped = shapes(formations(pillars, rocks), floor, sun_at(hour)[0], suns)
+    return [piece for levels in shaped for piece in cut(levels)]
 
 
 def overgrown(
-    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float, reef: Reef
+    terrain: Array,
+    half_width_cm: float,
+    pillars: Array,
+    rocks: Array,
+    hour: float,
+    reef: Reef,
+    moving: bool = False,
 ) -> list[list[StaticMesh]]:
     """As `pieces`, darker where `reef` grows on the stone."""
-    shaped = pieces(terrain, half_width_cm, pillars, rocks, hour)
+    shaped = pieces(terrain, half_width_cm, pillars, rocks, hour, moving)
     on = reef.on_rock
     growths = np.column_stack([reef.place[on], reef.radius[on], reef.axis[on]]).astype(np.float64)
     for mesh in {id(mesh): mesh for levels in shaped for mesh in levels}.values():
@@ -273,6 +304,8 @@ def _darken(vertices: Array, growths: Array) -> None:
             share = share * share * (3.0 - 2.0 * share)
             vertices[i, SKY] *= 1.0 - SKY_TAKEN * share
             vertices[i, SUNNY] *= 1.0 - SUN_TAKEN * share
+            for column in range(COLUMNS, vertices.shape[1]):
+                vertices[i, column] *= 1.0 - SUN_TAKEN * share
 
 
 def object_ids(pillars: Array, rocks: Array, places: Array) -> Array:
@@ -314,7 +347,10 @@ class RockRenderer(StaticBatch):
             return object_ids(scene.pillars, scene.rocks, np.concatenate(places).astype(np.float64))
 
         layout = "3f4 3f4 4f4 3f4", "a_position a_normal a_light a_cover"
-        programs = ProgramVariants(context, "solid", ids, quality.defines)
+        moving = {"MOVING_SUN": 1} if scene.water.day_minutes else {}
+        if moving:
+            layout = f"{layout[0]} 4f4 4f4", f"{layout[1]} a_early a_late"
+        programs = ProgramVariants(context, "solid", ids, quality.defines, **moving)
         reach_cm = IN_SIGHT * scene.water.visibility_cm
         super().__init__(programs, *layout, stone, reach_cm, LEVELS_PX)
         if stone:

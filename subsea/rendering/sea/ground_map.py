@@ -9,7 +9,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Bytes
 from subsea.geometry.noise import fractal
-from subsea.geometry.vector import Vector
+from subsea.geometry.vector import Vector, vector
 from subsea.habitat.stone import SUN, Shade, box_of, openness, passes, shade_distance, shade_of
 from subsea.kernels import kernel
 
@@ -20,7 +20,7 @@ REACH_CM = 170.0  # distance at which formations have no effect
 SUN_WIDE = 0.2  # width of the cone of sunlight, for soft shadows
 RUBBLE_CM = 90.0  # decay length of rubble around a formation
 UP = np.array([[0.0, 0.0, 1.0]])
-NO_GROWTHS = np.zeros((0, 5))
+NO_GROWTHS, NO_SUNS = np.zeros((0, 5)), np.zeros((0, 3))
 CONTACT_CM = 5.0  # least distance over which a growth darkens the sand beside it
 SKY_TAKEN, SUN_TAKEN = 0.72, 0.8  # at the foot of a growth, and in its shadow
 
@@ -31,18 +31,25 @@ class GroundMap(NamedTuple):
     light: Bytes  # (rows, columns, 4): sun, sky, rubble, unused; 255 is 1
     corner: Array  # (2,) cm, lowest x and y
     size: Array  # (2,) cm
+    suns: Bytes  # (rows, columns, s): shares of the sun in other directions
 
 
 def ground_map(
-    formations: list[Array], floor: Floor, sun: Vector = SUN, growths: Array = NO_GROWTHS
+    formations: list[Array],
+    floor: Floor,
+    sun: Vector = SUN,
+    growths: Array = NO_GROWTHS,
+    suns: Array = NO_SUNS,
 ) -> GroundMap:
     """The map of formations, which are arrays of blocks (`habitat.formations`).
 
-    `sun` is the direction toward the sun, below the surface. The map has room for `growths` (k, 5),
-    whose light `with_growths` takes.
+    `sun` is the direction toward the sun, below the surface, `suns` (s, 3) are others. The map has
+    room for `growths` (k, 5), whose light `with_growths` takes.
     """
+    ways = np.concatenate([np.array([sun]), suns])
     if not formations and not len(growths):
-        return GroundMap(np.full((1, 1, 4), (255, 255, 0, 255), np.uint8), np.zeros(2), np.ones(2))
+        lit, all_lit = (255, 255, 0, 255), np.full((1, 1, len(suns)), 255, np.uint8)
+        return GroundMap(np.full((1, 1, 4), lit, np.uint8), np.zeros(2), np.ones(2), all_lit)
     boxes = [np.array(box_of(blocks))[:, :2] for blocks in formations]
     boxes += [np.stack([growth[:2] - growth[2], growth[:2] + growth[2]]) for growth in growths]
     low = np.min([box[0] for box in boxes], axis=0) - REACH_CM
@@ -51,8 +58,8 @@ def ground_map(
     columns, rows = np.ceil((high - low) / texel).astype(int)
     x = low[0] + texel * (np.arange(columns) + 0.5)
     y = low[1] + texel * (np.arange(rows) + 0.5)
-    light = np.empty((rows, columns, 3))
-    light[:] = 1.0, 1.0, 0.0
+    light = np.ones((rows, columns, 2 + len(ways)))  # rubble, sky, suns
+    light[..., 0] = 0.0
 
     def around(blocks: Array) -> tuple[tuple[slice, slice], Array]:
         """The part of the map that a formation changes, and its factors there."""
@@ -64,27 +71,38 @@ def ground_map(
         places = np.stack([across, down, floor(across, down)], axis=-1).reshape(-1, 3)
         gap = np.maximum(np.maximum(box[0] - places[:, :2], places[:, :2] - box[1]), 0.0)
         fade = np.clip(2.0 - 2.1 * np.hypot(*gap.T) / REACH_CM, 0.0, 1.0)
-        return part, _light(shade_of(blocks), places, fade, sun).reshape(*across.shape, 3)
+        found = _light(shade_of(blocks), places, fade, ways)
+        return part, found.reshape(*across.shape, -1)
 
     with ThreadPoolExecutor() as pool:
         for part, found in pool.map(around, formations):
-            light[part][..., :2] *= found[..., :2]
-            light[part][..., 2] = np.maximum(light[part][..., 2], found[..., 2])
+            light[part][..., 1:] *= found[..., 1:]
+            light[part][..., 0] = np.maximum(light[part][..., 0], found[..., 0])
+    shares = np.round(255.0 * np.clip(light, 0.0, 1.0)).astype(np.uint8)
     out = np.full((rows, columns, 4), 255, np.uint8)
-    out[..., :3] = np.round(255.0 * np.clip(light, 0.0, 1.0))
-    return GroundMap(out, low, texel * np.array([columns, rows], np.float64))
+    out[..., :3] = shares[..., 2::-1]
+    size = texel * np.array([columns, rows], np.float64)
+    return GroundMap(out, low, size, shares[..., 3:].copy())
 
 
-def with_growths(ground: GroundMap, growths: Array, sun: Vector) -> Bytes:
-    """The light of a map less what corals and sponges take.
+def with_growths(
+    ground: GroundMap, growths: Array, sun: Vector, suns: Array = NO_SUNS
+) -> tuple[Bytes, Bytes]:
+    """The light and the suns of a map less what corals and sponges take.
 
-    `growths` (k, 5) are x, y, radius, height and the share of the radius on which they stand, cm.
+    `growths` (k, 5) are x, y, radius, height and the share of the radius on which they stand, cm;
+    `sun` and `suns` those of the map.
     """
-    light = ground.light.copy()
+    light, others = ground.light.copy(), ground.suns.copy()
     if len(growths):
-        texel = float(ground.size[0]) / light.shape[1]
-        _stand(light, growths.astype(np.float64), ground.corner, texel, sun)
-    return light
+        texel, stand = float(ground.size[0]) / light.shape[1], growths.astype(np.float64)
+        _stand(light, stand, ground.corner, texel, sun)
+        for k, way in enumerate(suns):
+            other = ground.light.copy()
+            other[..., 0] = ground.suns[..., k]
+            _stand(other, stand, ground.corner, texel, vector(way))
+            others[..., k] = other[..., 0]
+    return light, others
 
 
 @kernel
@@ -119,20 +137,24 @@ def _stand(light: Bytes, growths: Array, corner: Array, texel: float, sun: Vecto
 
 
 @kernel
-def _light(shade: Shade, places: Array, fade: Array, sun: Vector) -> Array:
-    """Sun, sky and rubble (n, 3) at points on the sand (n, 3); `fade` (n,) weighs the effect."""
-    out = np.empty((len(places), 3))
+def _light(shade: Shade, places: Array, fade: Array, suns: Array) -> Array:
+    """Rubble, sky and `suns` (n, 2 + s) at points on the sand (n, 3).
+
+    `fade` (n,) weighs the effect, `suns` (s, 3) are directions toward the sun.
+    """
+    out = np.ones((len(places), 2 + len(suns)))
     for i in range(len(places)):
         x, y, z = places[i]
         gap = shade_distance(shade, (x, y, z))
-        out[i, 0], out[i, 1], out[i, 2] = 1.0, 1.0, 0.0
+        out[i, 0] = 0.0
         if fade[i] == 0.0:
             continue
-        sunny = passes(shade, (x, y, z + 1.0), sun, SUN_WIDE)
+        for k in range(len(suns)):
+            sunny = passes(shade, (x, y, z + 1.0), vector(suns[k]), SUN_WIDE)
+            out[i, 2 + k] = 1.0 - fade[i] * (1.0 - sunny)
         sky = openness(shade, places[i : i + 1], UP)[0]
-        out[i, 0] = 1.0 - fade[i] * (1.0 - sunny)
         out[i, 1] = 1.0 - fade[i] * (1.0 - sky)
         patch = fractal(x / 80.0, y / 80.0, 3.3, 3)
         rubble = np.exp(-max(gap - 8.0, 0.0) / RUBBLE_CM) * (0.9 + 1.1 * patch)
-        out[i, 2] = fade[i] * min(max(rubble, 0.0), 1.0)
+        out[i, 0] = fade[i] * min(max(rubble, 0.0), 1.0)
     return out

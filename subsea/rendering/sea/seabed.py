@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Array, Bytes, Ints
 from subsea.frame.packet import RenderScene
 from subsea.habitat.formations import formations
 from subsea.habitat.reef import KINDS, MOUND
-from subsea.habitat.stone import sun_at
+from subsea.habitat.stone import sun_at, suns_of_day
 from subsea.rendering.gl.id_buffer import SEABED
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
@@ -164,7 +164,8 @@ class SeabedRenderer(StaticBatch):
         self, context: Any, scene: RenderScene, ground: ground_map.GroundMap, quality: Quality
     ) -> None:
         """Cut `scene.terrain` (SMC §6.2) into tiles; `ground` is its `surroundings`."""
-        programs = ProgramVariants(context, "seabed", SEABED, quality.defines)
+        moving = {"MOVING_SUN": 1} if scene.water.day_minutes else {}
+        programs = ProgramVariants(context, "seabed", SEABED, quality.defines, **moving)
         items = tiles(*surface(scene.terrain, scene.terrain_half_width_cm))
         reach_cm = IN_SIGHT * scene.water.visibility_cm
         super().__init__(programs, "3f4 2f4", "a_position a_slope", items, reach_cm, LEVELS_PX)
@@ -174,11 +175,15 @@ class SeabedRenderer(StaticBatch):
             "u_litter": self.own(repeating(context, littered, 4)),
             "u_tracks": self.own(repeating(context, tracked, 8)),
         }
+        if moving:
+            for k, name in enumerate(("u_early_suns", "u_late_suns")):
+                self.textures[name] = self.own(upload(context, _quarter(ground.suns, k)))
         self.uniforms = {
             "u_map": (*ground.corner, *ground.size),
             "u_flow": flow_of(scene.water.current_cm_s),
         }
         self._ground, self._sun = ground, sun_at(scene.water.hour)[0]
+        self._suns = suns_of_day() if moving else ground_map.NO_SUNS
         self._standing, self._own = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
         self._growing = -1  # number of growths whose light the map takes
 
@@ -186,18 +191,37 @@ class SeabedRenderer(StaticBatch):
         """Draw in this quality from now on: sand is darker about the growths that are drawn."""
         shown = self._standing[self._own <= quality.growth]
         if len(shown) != self._growing:
-            light = ground_map.with_growths(self._ground, shown, self._sun)
+            light, suns = ground_map.with_growths(self._ground, shown, self._sun, self._suns)
             self.textures["u_ground"].write(light.tobytes())
+            for k, name in enumerate(("u_early_suns", "u_late_suns")):
+                if name in self.textures:
+                    self.textures[name].write(_quarter(suns, k).tobytes())
             self._growing = len(shown)
 
 
+def _quarter(suns: Bytes, k: int) -> Bytes:
+    """The first four of eight suns (rows, columns, 8), or the last."""
+    return np.ascontiguousarray(suns[..., 4 * k : 4 * k + 4])
+
+
 def surroundings(
-    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float, reef: Reef
+    terrain: Array,
+    half_width_cm: float,
+    pillars: Array,
+    rocks: Array,
+    hour: float,
+    reef: Reef,
+    moving: bool = False,
 ) -> ground_map.GroundMap:
-    """The ground map of the stones of a `RenderScene` at an hour, with room for its growths."""
+    """The ground map of the stones of a `RenderScene` at an hour, with room for its growths.
+
+    With `moving` also for all suns of a day.
+    """
     floor = partial(drawn_height, terrain, half_width_cm)
     growths = standing(reef, terrain, half_width_cm)[0]
-    return ground_map.ground_map(formations(pillars, rocks), floor, sun_at(hour)[0], growths)
+    suns = suns_of_day() if moving else ground_map.NO_SUNS
+    stones = formations(pillars, rocks)
+    return ground_map.ground_map(stones, floor, sun_at(hour)[0], growths, suns)
 
 
 def flow_of(current_cm_s: tuple[float, float]) -> tuple[float, float]:

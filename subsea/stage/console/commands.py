@@ -80,6 +80,10 @@ class LeaveFish(PresenterCommand, frozen=True, tag="helm"):
     """The command `helm`."""
 
 
+class FeedFishes(PresenterCommand, frozen=True, tag="feed"):
+    """The command `feed`."""
+
+
 class SetQuality(PresenterCommand, frozen=True, tag="quality"):
     """The command `quality`."""
 
@@ -117,6 +121,7 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     FollowFish: "Look at a fish from behind",
     RideFish: "Look through the eyes of a fish",
     LeaveFish: "Return from a fish to the submarine",
+    FeedFishes: "Scatter food before the submarine, at most every 4 s",
     SetQuality: "Set the quality of the picture",
     SetVolume: "Set the volume",
     BlankScreens: "Make all screens black, or show the sea again",

@@ -25,6 +25,7 @@ from subsea.stage.console.server import ConsoleServer
 from subsea.stage.show_player import ShowScreens
 from subsea.ui.menu import scenario_summaries
 from subsea.view.front_screen import front_view
+from subsea.world.feeding import EVERY_S
 from subsea.world.step import cue_direction
 
 if TYPE_CHECKING:
@@ -173,6 +174,8 @@ class RemoteControl:
             case commands.LeaveFish():
                 dive.ride_fish(None)
                 return "on the submarine"
+            case commands.FeedFishes():
+                return self._feed()
             case commands.SetQuality(quality):
                 dive.picture.choose(quality)
                 return dive.picture.quality_text
@@ -219,6 +222,15 @@ class RemoteControl:
         if dive.timeline is not None:
             dive.timeline.touch()
         return f"started {directions[number].name or f'cue {number}'}"
+
+    def _feed(self) -> str:
+        self._refuse_in_cluster()
+        time = self._dive.timeline
+        if time is None or not time.feed():
+            raise UserError(
+                f"no food now: it takes plankton, and {EVERY_S:g} s from pinch to pinch"
+            )
+        return "food for the fishes"
 
     def _ride(self, name: str, behind: bool) -> str:
         self._refuse_in_cluster()

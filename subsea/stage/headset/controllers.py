@@ -19,7 +19,7 @@ HAND_INTERACTION = "XR_EXT_hand_interaction"
 ACTIONS = {  # and their types in OpenXR
     "aim": "POSE_INPUT", "stick": "VECTOR2F_INPUT", "trigger": "FLOAT_INPUT",
     "squeeze": "FLOAT_INPUT", "primary": "BOOLEAN_INPUT", "secondary": "BOOLEAN_INPUT",
-    "menu": "BOOLEAN_INPUT", "haptic": "VIBRATION_OUTPUT",
+    "menu": "BOOLEAN_INPUT", "feed": "BOOLEAN_INPUT", "haptic": "VIBRATION_OUTPUT",
 }  # fmt: skip
 
 
@@ -41,32 +41,34 @@ class Profile(NamedTuple):
 
 
 CONTROLLER = {"aim": "input/aim/pose", "haptic": "output/haptic"}
+# The only other button of some controllers: in the left hand the menu, in the right one food.
+MENU, FEED = {"menu": "input/menu/click"}, {"feed": "input/menu/click"}
 WITH_STICK = CONTROLLER | {
     "stick": "input/thumbstick",
     "trigger": "input/trigger/value",
     "squeeze": "input/squeeze/value",
 }
 PROFILES = {
-    "khr/simple_controller": Profile(
-        CONTROLLER | {"trigger": "input/select/click", "menu": "input/menu/click"}
-    ),
+    "khr/simple_controller": Profile(CONTROLLER | {"trigger": "input/select/click"}, MENU, FEED),
     "oculus/touch_controller": Profile(
         WITH_STICK,
         {"primary": "input/x/click", "secondary": "input/y/click", "menu": "input/menu/click"},
-        {"primary": "input/a/click", "secondary": "input/b/click"},
+        {"primary": "input/a/click", "secondary": "input/b/click",
+         "feed": "input/thumbstick/click"},
     ),
-    "valve/index_controller": Profile(WITH_STICK | {
-        "primary": "input/a/click", "secondary": "input/b/click",
-        "menu": "input/thumbstick/click",  # the system has its only other button
-    }),
+    "valve/index_controller": Profile(
+        WITH_STICK | {"primary": "input/a/click", "secondary": "input/b/click"},
+        {"menu": "input/thumbstick/click"},  # the system has its only other button
+        {"feed": "input/thumbstick/click"},
+    ),
     "htc/vive_controller": Profile(WITH_STICK | {
         "stick": "input/trackpad", "squeeze": "input/squeeze/click",
-        "primary": "input/trackpad/click", "menu": "input/menu/click",
-    }),
+        "primary": "input/trackpad/click",
+    }, MENU, FEED),
     "microsoft/motion_controller": Profile(WITH_STICK | {
         "squeeze": "input/squeeze/click", "primary": "input/trackpad/click",
-        "secondary": "input/thumbstick/click", "menu": "input/menu/click",
-    }),
+        "secondary": "input/thumbstick/click",
+    }, MENU, FEED),
     "ext/hand_interaction_ext": Profile({
         "aim": "input/aim/pose", "trigger": "input/pinch_ext/value",
         "squeeze": "input/grasp_ext/value",
@@ -88,6 +90,7 @@ class Hand(NamedTuple):
     primary: bool = False  # the lower button: A or X
     secondary: bool = False  # the upper button: B or Y
     menu: bool = False
+    feed: bool = False  # scatter food
 
 
 class HeadsetFrame(NamedTuple):
@@ -183,7 +186,7 @@ class Controllers:
         )
         buttons = (
             bool(xr.get_action_state_boolean(session, queries[name]).current_state)
-            for name in ("primary", "secondary", "menu")
+            for name in ("primary", "secondary", "menu", "feed")
         )
         aim = self._aim(number, space, time) if time else None
         return Hand(aim, moved, trigger, squeeze, *buttons)

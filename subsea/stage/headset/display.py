@@ -243,14 +243,15 @@ class HeadsetDisplay:
 def gamepad_of(left: Hand, right: Hand, home: head.Home = head.AT_ORIGIN) -> GamepadState:
     """The gamepad with the sticks, triggers and buttons of both controllers.
 
-    A and B are right, X and Y left; squeezes are the bumpers. Without sticks the vessel goes where
-    a hand points while it pulls its trigger.
+    A and B are right, X and Y left; squeezes are the bumpers, food is the pad's down. Without
+    sticks the vessel goes where a hand points while it pulls its trigger.
     """
     if left.stick is None and right.stick is None:
         return _pointing(left, right, home)
     buttons = dict.fromkeys(range(15), False)
     buttons |= {0: right.primary, 1: right.secondary, 2: left.primary, 3: left.secondary}
     buttons |= {4: left.squeeze > CLICKED, 5: right.squeeze > CLICKED, 7: left.menu or right.menu}
+    buttons[13] = left.feed or right.feed
     (x, y), (turn, nose) = (hand.stick or (0.0, 0.0) for hand in (left, right))
     sticks = x, -y, turn, -nose
     triggers = 2.0 * left.trigger - 1.0, 2.0 * right.trigger - 1.0
@@ -258,9 +259,10 @@ def gamepad_of(left: Hand, right: Hand, home: head.Home = head.AT_ORIGIN) -> Gam
 
 
 def _pointing(left: Hand, right: Hand, home: head.Home) -> GamepadState:
-    """The gamepad of hands that point; a fist of a tracked left hand is the menu."""
+    """The gamepad of hands that point: a left fist is the menu, a right one scatters food."""
     buttons, axes = [0] * 15, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0]
     buttons[7] = int(left.menu or right.menu or left.squeeze > CLICKED)
+    buttons[13] = int(left.feed or right.feed or right.squeeze > CLICKED)
     hand = max((right, left), key=lambda one: one.trigger)
     if hand.aim is not None and hand.trigger > UNCLICKED:
         _, (_, _, (across, up, ahead)) = head.on_observer(hand.aim, home)

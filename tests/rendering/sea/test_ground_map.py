@@ -61,7 +61,7 @@ def test_a_growth_darkens_the_sand_at_its_foot_and_away_from_the_sun():
     growths = np.array([[50.0, -40.0, 20.0, 30.0, 0.9]])
     bare = ground_map([], floor, SUN, growths)
     assert (bare.light[..., :2] == 255).all()
-    ground = bare._replace(light=with_growths(bare, growths, SUN))
+    ground = bare._replace(light=with_growths(bare, growths, SUN)[0])
     way = np.array(SUN[:2]) / np.hypot(*SUN[:2])
     middle = growths[0, :2]
     foot, near, far = (at(ground, *(middle + r * way))[1] for r in (19.0, 30.0, 90.0))

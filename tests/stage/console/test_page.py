@@ -7,6 +7,7 @@ import pytest
 from subsea.stage.console import board
 from subsea.stage.console.commands import (
     BlankScreens,
+    FeedFishes,
     FollowFish,
     OpenScenario,
     SetQuality,
@@ -90,6 +91,8 @@ def test_every_control_sends_its_command(console, opened):
     opened.run("document.getElementById('fish').value = 'moon_wrasse'")
     opened.run("document.getElementById('fish-form').requestSubmit()")
     taken(console, FollowFish("moon_wrasse"))
+    click(opened, "feed")
+    taken(console, FeedFishes())
     opened.run("document.getElementById('scenario').value = 'deep'")
     opened.run("document.getElementById('scenario-form').requestSubmit()")
     taken(console, OpenScenario("deep"))

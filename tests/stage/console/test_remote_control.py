@@ -26,6 +26,8 @@ from subsea.stage.console.commands import (
 from subsea.stage.console.remote_control import open_console
 from subsea.stage.parts import ConsolePart
 from subsea.ui.dive import Dive
+from subsea.world import snapshot
+from subsea.world.feeding import PINCH
 from tests.stage.console.conftest import Client, free_port, local
 from tests.support.scenes import BARE, scene
 from tests.support.windows import dive_options
@@ -50,6 +52,7 @@ def remote(running):
 @pytest.fixture(scope="module")
 def boat(display, user, coarse, tmp_path_factory):
     file = scene(tmp_path_factory.mktemp("sea"), *DIRECTIONS)
+    file.write_text(file.read_text().replace("visibility_cm", "plankton = 60, visibility_cm", 1))
     with closing(Dive(dive_options(file, SIZE, coarse, parts=[ConsolePart(local())]))) as running:
         assert remote(running) is not None
         user.glide(running, 0.2)
@@ -174,6 +177,27 @@ def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
     assert log.began[0] < 0
     boat.timeline.go(tick)
     assert log.began[0] >= 0  # the same again
+
+
+def test_food_is_scattered_over_http_and_repeated_by_time(boat, user):
+    sea, time = boat.world.state.sea, boat.timeline
+    client, answers = Client(remote(boat)._server._options.http.port), []
+    before = time.tick
+
+    def work():
+        answers.extend(client.ask("/api/commands", {"command": "feed"}) for _ in range(2))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    user.until(boat, lambda: not thread.is_alive())
+    assert answers[0][:2] == (200, {"done": "food for the fishes"})
+    assert answers[1][0] == 409 and "4 s from pinch to pinch" in answers[1][1]["error"]
+    assert (sea.absent < 0.0).sum() == PINCH
+    tick, now = time.tick, snapshot.checksum(boat.world)
+    time.go(before)
+    assert not (sea.absent < 0.0).any()
+    time.go(tick)
+    assert snapshot.checksum(boat.world) == now
 
 
 def test_the_last_refusal_is_in_state_health_and_terminal(boat, user, give, capfd):

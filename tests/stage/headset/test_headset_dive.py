@@ -9,6 +9,7 @@ from subsea.stage.headset.controllers import Hand
 from subsea.stage.headset.display import gamepad_of
 from subsea.stage.headset.head import Pose
 from subsea.world import snapshot
+from subsea.world.feeding import EVERY_S, PINCH
 from tests.stage.headset.conftest import SIZE, diving
 from tests.support.headset import NOT_TURNED, turned
 
@@ -75,6 +76,22 @@ def test_the_sticks_steer_like_those_of_a_gamepad(worn):
     headset.hands = (Hand(stick=(0.0, 0.0)), Hand(primary=True))
     running.frame(0.1)
     assert running.pilot.stopping
+
+
+@pytest.mark.parametrize(
+    "hand", [Hand(stick=(0.0, 0.0), feed=True), Hand(feed=True), Hand(squeeze=1.0)]
+)
+def test_the_right_hand_scatters_food_by_a_button_or_a_fist(worn, hand):
+    running, headset = worn
+    absent = running.world.state.sea.absent
+    for _ in range(round(EVERY_S / 0.1) + 1):
+        running.frame(0.1)
+    assert absent.min() >= 0.0
+    headset.hands = (Hand(stick=hand.stick), hand)
+    running.frame(0.1)
+    assert (absent < 0.0).sum() == PINCH
+    headset.hands = (Hand(), Hand())
+    running.frame(0.1)
 
 
 @pytest.mark.parametrize(

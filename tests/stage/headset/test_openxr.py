@@ -392,6 +392,15 @@ def test_each_profile_binds_both_hands_and_its_main_actions(xr, headset, name):
         assert "stick" in actions or "simple" in name or "hand_interaction" in name
 
 
+@pytest.mark.parametrize("name", PARTS)
+def test_every_controller_has_the_menu_and_food(xr, headset, name):
+    bound = dict(xr.bindings[name])
+    if "hand_interaction" in name:  # by its fists
+        assert "menu" not in bound and "squeeze" in bound
+    else:
+        assert bound["menu"].startswith(LEFT) and bound["feed"].startswith(RIGHT)
+
+
 def test_two_actions_of_a_controller_never_share_a_part(xr, headset):
     for bound in xr.bindings.values():
         paths = [path for _, path in bound]
@@ -411,11 +420,12 @@ def test_hands_are_read_by_poll(xr, focused):
     xr.inputs = {
         (LEFT, "stick"): pose((-0.5, 1.0, 0.0)).position, (LEFT, "trigger"): 0.25,
         (RIGHT, "squeeze"): 1.0, (RIGHT, "primary"): 1, (LEFT, "secondary"): 1, (LEFT, "menu"): 1,
+        (RIGHT, "feed"): 1,
     }  # fmt: skip
     focused.poll()
     left, right = focused.hands
     assert left == Hand(None, (-0.5, 1.0), 0.25, 0.0, False, True, True)
-    assert right[1:] == (None, 0.0, 1.0, True, False, False)
+    assert right[1:] == (None, 0.0, 1.0, True, False, False, True)
     np.testing.assert_array_equal(right.aim.position, [0.2, 0.9, -0.4])
     np.testing.assert_array_equal(right.aim.orientation, QUARTER)
 
