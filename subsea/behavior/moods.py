@@ -22,7 +22,7 @@ VIGILANT = 0.4  # share of the fear of an alarmed fish at which it begins to be 
 ROUSED_S, CALMED_S = 0.2, 6.0  # time constants: of alarm, and of the way back to ease
 STAYS_S = 1.5  # likewise between travel and feeding
 # Change of alignment, noise and spacing: factors at full alarm, and while feeding.
-ALARMED, FEEDING = (2.5, 0.15, 0.65), (0.6, 1.2, 1.2)
+ALARMED, FEEDING = (2.5, 0.15, 0.65), (0.8, 1.2, 1.1)
 FEEDING_SPEED = 0.7  # factor on the speed of a school that feeds
 LEAST_TRAVEL = 0.4  # activity of a school that travels slowly
 REST_S = 15.0  # a school decides this often whether to stay ...
@@ -66,13 +66,13 @@ def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clock)
     """Compute the mood of fish i without company: -1 to feed, 0 to travel, 1 is alarm."""
     calm = VIGILANT * nature.alarmed
     alarm = (float(minds.mental[i, FEAR]) - calm) / max(nature.alarmed - calm, 1e-3)
-    if alarm > 0.0:
-        return min(alarm, 1.0)
+    alarm = min(max(alarm, 0.0), 1.0)
     school = minds.leader[i] if minds.leader[i] >= 0 else i
     if minds.led[i] or minds.errand[school] > 0.0:
-        return 0.0
+        return alarm
     rest = minds.rules[minds.school_rule[i], REST]
-    return activity(i, school, rest, float(fishes.identity[i]), clock) - 1.0
+    stays = 1.0 - activity(i, school, rest, float(fishes.identity[i]), clock)
+    return alarm - (1.0 - alarm) * stays
 
 
 @kernel

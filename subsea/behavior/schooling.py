@@ -12,7 +12,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
 from subsea.behavior.leading import LOST_S, follow_leader
-from subsea.behavior.moods import Temper, deviate, temper_of, travels
+from subsea.behavior.moods import Temper, deviate, temper_of
 from subsea.behavior.school_goals import NEAR_GOAL_BL, goal_of, is_informed
 from subsea.behavior.vigilance import away_from_threat, haste
 from subsea.behavior.wandering import BOUND, redraw
@@ -149,7 +149,7 @@ def swim_along(
         urge = plus(urge, times(FLEE, away_from_threat(fishes, minds, i, sea, nature)))
     else:
         goal = goal_of(fishes, minds, i, school, clock)
-        urge = plus(urge, times(rule[GOAL] * travels(minds, i), goal))
+        urge = plus(urge, times(rule[GOAL], goal))
     pace += TENDENCY * (cruising - pace)
     pace *= np.exp(rule[PACE_NOISE] * temper.noise * float(minds.deviation[i, 2]))
     middle, outside = way_back(fishes, minds, i, temper.spacing, heading, now)
