@@ -134,7 +134,7 @@ def swim_along(
     now, loose = clock.tick * clock.dt, LOOSE ** (1.0 - sea.sky[1])
     rule = minds.rules[minds.school_rule[i]]
     here, length = vector(fishes.position[i]), float(fishes.length[i])
-    alarmed = minds.mental[i, FEAR] > nature.alarmed
+    ahead, alarmed = x_axis(fishes.orientation[i]), minds.mental[i, FEAR] > nature.alarmed
     school = known_by(minds, i)
     temper = temper_of(minds, i, loose)
     errand = float(minds.errand[school])
@@ -153,7 +153,8 @@ def swim_along(
     pace += TENDENCY * (cruising - pace)
     pace *= np.exp(rule[PACE_NOISE] * temper.noise * float(minds.deviation[i, 2]))
     middle, outside = way_back(fishes, minds, i, temper.spacing, heading, now)
-    wish = plus(urge, times(rule[REJOIN], middle))
+    behind = min(dot(middle, ahead), 0.0) * (1.0 - outside)
+    wish = plus(urge, times(rule[REJOIN], minus(middle, times(behind, ahead))))
     # All take the side that most head to, or the school would split at an obstacle.
     way = detour(wish, heading, here, length, sea.pillars, sea.rocks, DIRECT * outside)
     if norm(way) > 0.0:
@@ -162,7 +163,7 @@ def swim_along(
         pace = max(pace, cruising) + HURRY * outside
     else:
         set_urge(minds, i, wish)
-        pace += HURRY * dot(middle, x_axis(fishes.orientation[i]))
+        pace += HURRY * dot(middle, ahead)
     fishes.goal_speed[i] = min(max(pace, LEAST_SPEED), 1.0)
 
 
@@ -246,7 +247,8 @@ def _company(fishes: Fishes, minds: Minds, i: int, temper: Temper) -> tuple[Vect
     # Beside a companion it changes its pace, in line with it its way.
     shift = DIAGONAL_TURN * min(diagonal, 0.0) * (1.0 if nearest[1] > 0.0 else -1.0)
     align = share * rule[ALIGNMENT] * temper.alignment
-    along = rule[INERTIA] + keep[0] + align * (heading[0] * x + heading[1] * y)
+    # It waits for those behind it, and for room ahead, rather than turn back.
+    along = rule[INERTIA] + max(keep[0], 0.0) + align * (heading[0] * x + heading[1] * y)
     aside = keep[1] + shift + align * (heading[1] * x - heading[0] * y)
     size = np.sqrt(along * along + aside * aside)
     noise = rule[NOISE_RAD] * temper.noise
