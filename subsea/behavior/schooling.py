@@ -14,6 +14,7 @@ from subsea.behavior.detour import detour
 from subsea.behavior.leading import LOST_S, follow_leader
 from subsea.behavior.moods import Temper, deviate, temper_of
 from subsea.behavior.school_goals import NEAR_GOAL_BL, goal_of, is_informed
+from subsea.behavior.threat_memory import flees_from_memory
 from subsea.behavior.vigilance import away_from_threat, haste
 from subsea.behavior.wandering import BOUND, redraw
 from subsea.geometry.rotation import x_axis
@@ -140,19 +141,21 @@ def swim_along(
     errand = float(minds.errand[school])
     deviate(minds, i, rule, clock)
     urge, heading, pace = _company(fishes, minds, i, temper)
+    middle, outside = way_back(fishes, minds, i, temper.spacing, heading, now)
     cruising = CRUISING * temper.speed * float(minds.activity[i])
     hurries = haste(minds, i, nature) * (1.0 if alarmed else temper.alarm)
     cruising += (ALARMED_SPEED - cruising) * hurries
     if errand > 0.0 and not alarmed:
         cruising = errand * np.sqrt(fishes.length[school] / length)
     if alarmed:
-        urge = plus(urge, times(FLEE, away_from_threat(fishes, minds, i, sea, nature)))
+        # Out of sight of the threat, one that lost its school returns to it first.
+        flees = FLEE * (1.0 - outside if flees_from_memory(minds, i) else 1.0)
+        urge = plus(urge, times(flees, away_from_threat(fishes, minds, i, sea, nature)))
     else:
         goal = goal_of(fishes, minds, i, school, clock)
         urge = plus(urge, times(rule[GOAL], goal))
     pace += TENDENCY * (cruising - pace)
     pace *= np.exp(rule[PACE_NOISE] * temper.noise * float(minds.deviation[i, 2]))
-    middle, outside = way_back(fishes, minds, i, temper.spacing, heading, now)
     behind = min(dot(middle, ahead), 0.0) * (1.0 - outside)
     wish = plus(urge, times(rule[REJOIN], minus(middle, times(behind, ahead))))
     # All take the side that most head to, or the school would split at an obstacle.
