@@ -42,6 +42,7 @@ CRUISING = 0.62  # share of the fastest speed that a school at ease tends to ...
 TENDENCY = 0.6  # ... with this weight against the speed of the neighbours
 ALONG = 0.25  # change of speed by the attraction and separation along the heading
 ALARMED_SPEED = 0.9
+GATHERING = 0.5  # factor on the speed of an alarmed school out of sight of the threat
 # A fish levels with its nearest LEVELLED companions of the school, unless they are steeply above
 # or below: then it leaves their way. So schools have layers (Partridge et al. 1980).
 LEVELLED, LEVEL_SINE, LEVELLING = 2, 0.6, 0.7
@@ -148,8 +149,11 @@ def swim_along(
     if errand > 0.0 and not alarmed:
         cruising = errand * np.sqrt(fishes.length[school] / length)
     if alarmed:
-        # Out of sight of the threat, one that lost its school returns to it first.
-        flees = FLEE * (1.0 - outside if flees_from_memory(minds, i) else 1.0)
+        flees = FLEE
+        if flees_from_memory(minds, i):
+            # Out of sight of the threat the school gathers: those outside come, the others wait.
+            cruising *= GATHERING + (1.0 - GATHERING) * outside
+            flees *= 1.0 - outside
         urge = plus(urge, times(flees, away_from_threat(fishes, minds, i, sea, nature)))
     else:
         goal = goal_of(fishes, minds, i, school, clock)
