@@ -18,6 +18,7 @@ from subsea.state import (
     FEAR,
     LEFT,
     NOBODY,
+    PICK,
     PREDATOR,
     PREY,
     RIGHT,
@@ -81,7 +82,7 @@ def desire(
 @kernel
 def keeps_company(minds: Minds, i: int) -> bool:
     """True if fish i schools, or leaves its school to inspect a predator."""
-    return minds.intention[i] == SCHOOL or minds.inspection[i] > 0.0
+    return minds.intention[i] in (SCHOOL, PICK) or minds.inspection[i] > 0.0
 
 
 @kernel
@@ -106,7 +107,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if norm(aside) < PASSING_BL * fishes.length[i]:
             side = _side(minds, i, clock)
             aside = (-side * ahead[1], side * ahead[0], 0.01)
-        schooling = minds.memory[i] == SCHOOL
+        schooling = minds.memory[i] in (SCHOOL, PICK)
         urge = plus(ahead, times(MAKING_ROOM if schooling else ASIDE, unit(aside)))
         if minds.preference[i, ASCEND] < 0.0 < urge[2]:
             urge = (urge[0], urge[1], 0.0)

@@ -2,7 +2,7 @@
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.behavior.schooling import known_by
+from subsea.behavior.schooling import known_by, way_back
 from subsea.behavior.wandering import cruise, heading, redraw
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, norm, plus, times
@@ -31,6 +31,7 @@ from subsea.state.habits import (
 
 CLIMB = 0.8  # how steeply a fish leaves upward or downward
 BRISK = 0.7  # share of the fastest speed
+BACK = 1.5  # weight of the way back to its school
 DISLIKES = 0.03, 0.6  # least desire, above calm schooling, and how it grows with the discomfort
 TOLERANCE = 0.02  # discomfort that a fish bears ...
 BEYOND = 0.06  # ... and how far beyond its threshold a fish goes that leaves
@@ -62,6 +63,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         toward = heading(fishes, minds, i, sea, clock)
         if minds.schools[i]:
             toward = _common_course(fishes, minds, i, toward)
+            back = way_back(fishes, minds, i, 1.0, toward, clock.tick * clock.dt)[0]
+            toward = plus(toward, times(BACK, back))
         rise = wanted_rise(minds, i, sea, nature)
         steep = CLIMB if rise > 0.0 else -CLIMB if rise < 0.0 else toward[2]
         set_urge(minds, i, (toward[0], toward[1], steep))

@@ -1,10 +1,10 @@
-"""Moods of a schooling fish: how hunger, fear and rest change the rules of its school.
+"""Moods of a schooling fish: how feeding and fear change the rules of its school.
 
-One number tells a hungry fish among food (-1) from one that travels (0) and one that is alarmed
-(1). A fish takes over the mood of its neighbours, so alarm spreads faster than a predator swims
-(Treherne and Foster, Anim. Behav. 29:911, 1981). Alarmed schools are dense and polarised; feeding
-ones are loose and in disorder (Pitcher and Parrish 1993). A school that rests turns on the spot;
-large schools then mill (Tunstrøm et al., PLoS Comput. Biol. 9:e1002915, 2013).
+One number tells a fish of a school that stays to feed (-1) from one that travels (0) and one that
+is alarmed (1). A school alternates between staying and travel. A fish takes over the mood of its
+neighbours, so alarm spreads faster than a predator swims (Treherne and Foster, Anim. Behav. 29:911,
+1981). Alarmed schools are dense and polarised; feeding ones are loose and in disorder (Pitcher and
+Parrish 1993).
 """
 
 import math
@@ -15,19 +15,17 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
-from subsea.state import FEAR, HUNGER, Clock, Fishes, Minds, Nature
-from subsea.state.school_rules import CONTAGION, MOODS, NOISE_S
+from subsea.state import FEAR, Clock, Fishes, Minds, Nature
+from subsea.state.school_rules import CONTAGION, MOODS, NOISE_S, REST
 
 VIGILANT = 0.4  # share of the fear of an alarmed fish at which it begins to be alarmed
-FAMISHED = 0.7  # hunger of a fish that only feeds
-FOOD_BL = 8.0  # distance of food that a school feeds on
 ROUSED_S, CALMED_S = 0.2, 6.0  # time constants: of alarm, and of the way back to ease
-APPETITE_S = 3.0  # likewise of the way from ease to feeding
+STAYS_S = 1.5  # likewise between travel and feeding
 # Change of alignment, noise and spacing: factors at full alarm, and while feeding.
-ALARMED, FEEDING = (2.5, 0.15, 0.65), (0.3, 1.4, 1.4)
-FEEDING_SPEED = 0.6  # factor on the speed of a school that feeds
+ALARMED, FEEDING = (2.5, 0.15, 0.7), (0.8, 1.2, 1.1)
+FEEDING_SPEED = 0.7  # factor on the speed of a school that feeds
 LEAST_TRAVEL = 0.4  # activity of a school that travels slowly
-REST_S = 20.0  # a school decides this often whether to rest ...
+REST_S = 15.0  # a school decides this often whether to stay ...
 SETTLES_S = 4.0  # ... takes this long to stop or set out ...
 SPREAD_S = 3.0  # ... and its fishes do so one after the other within this time
 PACE_TIMES = 2.0  # time constant of the speed's noise, over that of the heading's
@@ -46,16 +44,16 @@ class Temper(NamedTuple):
 
 
 @kernel
-def update_moods(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> None:
+def update_moods(who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock) -> None:
     """Ease `minds.mood` of the fishes `who` that school to what they feel, and to their company."""
     for i in who:
         if not minds.schools[i]:
             continue
         mood, dt = float(minds.mood[i]), float(minds.pause[i])
-        feels = _feeling(fishes, minds, i, nature)
+        feels = _feeling(fishes, minds, i, nature, clock)
         time_s = ROUSED_S if feels > max(mood, 0.0) else CALMED_S
-        if feels < mood <= 0.0:
-            time_s = APPETITE_S
+        if max(feels, mood) <= 0.0:
+            time_s = STAYS_S
         mood += (feels - mood) * min(dt / time_s, 1.0)
         rate = minds.rules[minds.school_rule[i], CONTAGION]
         if minds.neighbour[i, 0] >= 0:
@@ -64,16 +62,17 @@ def update_moods(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> Non
 
 
 @kernel
-def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature) -> float:
-    """Compute the mood of fish i without company: -1 to feed, 0 to cruise, 1 is alarm."""
+def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clock) -> float:
+    """Compute the mood of fish i without company: -1 to feed, 0 to travel, 1 is alarm."""
     calm = VIGILANT * nature.alarmed
     alarm = (float(minds.mental[i, FEAR]) - calm) / max(nature.alarmed - calm, 1e-3)
-    if alarm > 0.0:
-        return min(alarm, 1.0)
-    if minds.food_distance[i] > FOOD_BL * fishes.length[i]:
-        return 0.0
-    hunger = (float(minds.mental[i, HUNGER]) - nature.keen) / max(FAMISHED - nature.keen, 1e-3)
-    return -min(max(hunger, 0.0), 1.0)
+    alarm = min(max(alarm, 0.0), 1.0)
+    school = minds.leader[i] if minds.leader[i] >= 0 else i
+    if minds.led[i] or minds.errand[school] > 0.0:
+        return alarm
+    rest = minds.rules[minds.school_rule[i], REST]
+    stays = 1.0 - activity(i, school, rest, float(fishes.identity[i]), clock)
+    return alarm - (1.0 - alarm) * stays
 
 
 @kernel
@@ -97,8 +96,14 @@ def temper_of(minds: Minds, i: int, loose: float = 1.0) -> Temper:
 
 
 @kernel
+def travels(minds: Minds, i: int) -> float:
+    """Share of the way from feeding in place, 0, to travel or flight, 1, of fish i."""
+    return 1.0 + min(float(minds.mood[i]), 0.0)
+
+
+@kernel
 def activity(i: int, school: int, rest: float, identity: float, clock: Clock) -> float:
-    """Share of the way from rest, 0, to full travel, 1, of fish i in a school.
+    """Share of the way from staying, 0, to full travel, 1, of fish i in a school.
 
     A school draws it again every REST_S.
     """

@@ -12,8 +12,9 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
 from subsea.behavior.leading import LOST_S, follow_leader
-from subsea.behavior.moods import Temper, activity, deviate, temper_of
+from subsea.behavior.moods import Temper, deviate, temper_of
 from subsea.behavior.school_goals import NEAR_GOAL_BL, goal_of, is_informed
+from subsea.behavior.threat_memory import flees_from_memory
 from subsea.behavior.vigilance import away_from_threat, haste
 from subsea.behavior.wandering import BOUND, redraw
 from subsea.geometry.rotation import x_axis
@@ -31,7 +32,6 @@ from subsea.state.school_rules import (
     NOISE_RAD,
     PACE_NOISE,
     REJOIN,
-    REST,
     SEPARATION,
     SEPARATION_BL,
 )
@@ -42,7 +42,7 @@ CRUISING = 0.62  # share of the fastest speed that a school at ease tends to ...
 TENDENCY = 0.6  # ... with this weight against the speed of the neighbours
 ALONG = 0.25  # change of speed by the attraction and separation along the heading
 ALARMED_SPEED = 0.9
-RESTING_SPEED, RESTING_ORDER = 0.35, 0.85  # factors on speed and alignment of a school that rests
+GATHERING = 0.5  # factor on the speed of an alarmed school out of sight of the threat
 # A fish levels with its nearest LEVELLED companions of the school, unless they are steeply above
 # or below: then it leaves their way. So schools have layers (Partridge et al. 1980).
 LEVELLED, LEVEL_SINE, LEVELLING = 2, 0.6, 0.7
@@ -52,6 +52,8 @@ DIAGONAL_BL, DIAGONAL_PACE, DIAGONAL_TURN = 1.2, 0.4, 0.3
 CLIMBING = 0.25  # noise of the climb over that of the heading
 OWN_WAY, COMPANY = 2.0, 0.4  # weights of the way past an obstacle, and of all else meanwhile
 LEAST_SPEED = 0.12
+# A fish parts from a neighbour that comes nearer as if that were already as near as in FORESEEN_S.
+FORESEEN_S, LEAST_BL = 0.3, 0.25
 # A school of n extends RADIUS_BL n^(1/3) from its middle. A fish beyond the share WITHIN of this
 # radius hurries to the middle.
 RADIUS_BL, WITHIN, HURRY = 0.9, 0.6, 0.5
@@ -115,60 +117,81 @@ def has_school(minds: Minds, i: int, now: float) -> bool:
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Swim with the neighbours, and around obstacles, or follow the leader.
+    """Swim with the neighbours, and around obstacles, or follow the leader."""
+    for i in who:
+        if minds.led[i]:
+            follow_leader(i, fishes, minds, sea, nature, clock)
+        else:
+            swim_along(i, fishes, minds, sea, nature, clock)
+
+
+@kernel
+def swim_along(
+    i: int, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+) -> None:
+    """Swim with the neighbours, and around obstacles, in a school without a leader.
 
     By night a school that is at ease disperses.
     """
     now, loose = clock.tick * clock.dt, LOOSE ** (1.0 - sea.sky[1])
-    for i in who:
-        if minds.led[i]:
-            follow_leader(i, fishes, minds, sea, nature, clock)
-            continue
-        rule = minds.rules[minds.school_rule[i]]
-        here, length = vector(fishes.position[i]), float(fishes.length[i])
-        alarmed = minds.mental[i, FEAR] > nature.alarmed
-        school = known_by(minds, i)
-        temper = temper_of(minds, i, loose)
-        errand = float(minds.errand[school])
-        travels = activity(i, school, rule[REST], float(fishes.identity[i]), clock)
-        travels = max(travels, temper.alarm)
-        if errand > 0.0:
-            travels = 1.0
-        deviate(minds, i, rule, clock)
-        urge, heading, pace = _company(fishes, minds, i, temper, travels)
-        cruising = CRUISING * temper.speed * (RESTING_SPEED + (1.0 - RESTING_SPEED) * travels)
-        cruising *= float(minds.activity[i])
-        hurries = haste(minds, i, nature) * (1.0 if alarmed else temper.alarm)
-        cruising += (ALARMED_SPEED - cruising) * hurries
-        if errand > 0.0 and not alarmed:
-            cruising = errand * np.sqrt(fishes.length[school] / length)
-        if alarmed:
-            urge = plus(urge, times(FLEE, away_from_threat(fishes, minds, i, sea, nature)))
-        else:
-            goal = goal_of(fishes, minds, i, school, clock)
-            urge = plus(urge, times(rule[GOAL] * travels, goal))
-        pace += TENDENCY * (cruising - pace)
-        pace *= np.exp(rule[PACE_NOISE] * temper.noise * float(minds.deviation[i, 2]))
-        middle, outside = ZERO, 0.0
-        if now - minds.leader_seen[i] < LOST_S:
-            middle = minus(vector(minds.leader_place[i]), here)
-            radius = RADIUS_BL * temper.spacing * length * minds.school_size[i] ** (1.0 / 3.0)
-            way = stretched(middle, heading, SLENDER)
-            outside = min(max(norm(way) / radius - WITHIN, 0.0), 1.0)
-            way = stretched(way, heading, SLENDER)
-            middle = times(outside / max(norm(way), 1.0), way)
-        wish = plus(urge, times(rule[REJOIN], middle))
-        # All take the side that most head to, or the school would split at an obstacle.
-        way = detour(wish, heading, here, length, sea.pillars, sea.rocks,
-                     DIRECT * outside)  # fmt: skip
-        if norm(way) > 0.0:
-            # It rejoins the others behind the obstacle.
-            set_urge(minds, i, plus(times(COMPANY, urge), times(OWN_WAY, way)))
-            pace = max(pace, cruising) + HURRY * outside
-        else:
-            set_urge(minds, i, wish)
-            pace += HURRY * dot(middle, x_axis(fishes.orientation[i]))
-        fishes.goal_speed[i] = min(max(pace, LEAST_SPEED), 1.0)
+    rule = minds.rules[minds.school_rule[i]]
+    here, length = vector(fishes.position[i]), float(fishes.length[i])
+    ahead, alarmed = x_axis(fishes.orientation[i]), minds.mental[i, FEAR] > nature.alarmed
+    school = known_by(minds, i)
+    temper = temper_of(minds, i, loose)
+    errand = float(minds.errand[school])
+    deviate(minds, i, rule, clock)
+    urge, heading, pace = _company(fishes, minds, i, temper)
+    middle, outside = way_back(fishes, minds, i, temper.spacing, heading, now)
+    cruising = CRUISING * temper.speed * float(minds.activity[i])
+    hurries = haste(minds, i, nature) * (1.0 if alarmed else temper.alarm)
+    cruising += (ALARMED_SPEED - cruising) * hurries
+    if errand > 0.0 and not alarmed:
+        cruising = errand * np.sqrt(fishes.length[school] / length)
+    if alarmed:
+        flees = FLEE
+        if flees_from_memory(minds, i):
+            # Out of sight of the threat the school gathers: those outside come, the others wait.
+            cruising *= GATHERING + (1.0 - GATHERING) * outside
+            flees *= 1.0 - outside
+        urge = plus(urge, times(flees, away_from_threat(fishes, minds, i, sea, nature)))
+    else:
+        goal = goal_of(fishes, minds, i, school, clock)
+        urge = plus(urge, times(rule[GOAL], goal))
+    pace += TENDENCY * (cruising - pace)
+    pace *= np.exp(rule[PACE_NOISE] * temper.noise * float(minds.deviation[i, 2]))
+    behind = min(dot(middle, ahead), 0.0) * (1.0 - outside)
+    wish = plus(urge, times(rule[REJOIN], minus(middle, times(behind, ahead))))
+    # All take the side that most head to, or the school would split at an obstacle.
+    way = detour(wish, heading, here, length, sea.pillars, sea.rocks, DIRECT * outside)
+    if norm(way) > 0.0:
+        # It rejoins the others behind the obstacle.
+        set_urge(minds, i, plus(times(COMPANY, urge), times(OWN_WAY, way)))
+        pace = max(pace, cruising) + HURRY * outside
+    else:
+        set_urge(minds, i, wish)
+        pace += HURRY * dot(middle, ahead)
+    fishes.goal_speed[i] = min(max(pace, LEAST_SPEED), 1.0)
+
+
+@kernel
+def way_back(
+    fishes: Fishes, minds: Minds, i: int, spacing: float, heading: Vector, now: float
+) -> tuple[Vector, float]:
+    """The way to the middle of the school of fish i, as long as the second number.
+
+    That is how far the fish is outside, from 0 within the school to 1. `heading` is that of its
+    company, and `spacing` a factor on the size of the school.
+    """
+    if now - minds.leader_seen[i] >= LOST_S:
+        return ZERO, 0.0
+    middle = minus(vector(minds.leader_place[i]), vector(fishes.position[i]))
+    size = max(float(minds.school_size[i]), 1.0) ** (1.0 / 3.0)
+    way = stretched(middle, heading, SLENDER)
+    outside = norm(way) / (RADIUS_BL * spacing * fishes.length[i] * size) - WITHIN
+    outside = min(max(outside, 0.0), 1.0)
+    way = stretched(way, heading, SLENDER)
+    return times(outside / max(norm(way), 1.0), way), outside
 
 
 @kernel
@@ -183,9 +206,7 @@ def stretched(way: Vector, heading: Vector, by: float) -> Vector:
 
 
 @kernel
-def _company(
-    fishes: Fishes, minds: Minds, i: int, temper: Temper, travels: float
-) -> tuple[Vector, Vector, float]:
+def _company(fishes: Fishes, minds: Minds, i: int, temper: Temper) -> tuple[Vector, Vector, float]:
     """The urge by the neighbours of fish i, their heading, and their pace.
 
     Alignment, separation and attraction, with noise. The heading, of any length, is the sum with
@@ -206,8 +227,11 @@ def _company(
         away = unit * (way[0] * x + way[1] * y), unit * (way[1] * x - way[0] * y), unit * way[2]
         distance = max(norm((away[0], away[1], LAYER * away[2])), 0.01)
         full = max(norm(away), 0.01)
-        if distance < rule[SEPARATION_BL]:
-            apart = minus(apart, times((1.0 - distance / rule[SEPARATION_BL]) / full, away))
+        own = minus(vector(fishes.velocity[j]), vector(fishes.velocity[i]))
+        closing = -unit * unit * dot(own, way) / full
+        foreseen = max(distance - FORESEEN_S * max(closing, 0.0), LEAST_BL)
+        if foreseen < rule[SEPARATION_BL]:
+            apart = minus(apart, times((rule[SEPARATION_BL] / foreseen - 1.0) / full, away))
         if not minds.schools[j] or known_by(minds, j) != known_by(minds, i):
             continue
         heading = plus(heading, x_axis(fishes.orientation[j]))
@@ -229,9 +253,9 @@ def _company(
     diagonal = diagonal if max(abs(nearest[0]), abs(nearest[1])) < DIAGONAL_BL else 0.0
     # Beside a companion it changes its pace, in line with it its way.
     shift = DIAGONAL_TURN * min(diagonal, 0.0) * (1.0 if nearest[1] > 0.0 else -1.0)
-    align = rule[ALIGNMENT] * temper.alignment * (RESTING_ORDER + (1.0 - RESTING_ORDER) * travels)
-    align *= share
-    along = rule[INERTIA] + keep[0] + align * (heading[0] * x + heading[1] * y)
+    align = share * rule[ALIGNMENT] * temper.alignment
+    # It waits for those behind it, and for room ahead, rather than turn back.
+    along = rule[INERTIA] + max(keep[0], 0.0) + align * (heading[0] * x + heading[1] * y)
     aside = keep[1] + shift + align * (heading[1] * x - heading[0] * y)
     size = np.sqrt(along * along + aside * aside)
     noise = rule[NOISE_RAD] * temper.noise

@@ -19,6 +19,7 @@ from subsea.behavior import (
     inspecting,
     leaving,
     mating,
+    picking,
     schooling,
     sheltering,
     territory,
@@ -71,6 +72,7 @@ OURS = (
         inspecting.act,
         ((DANGER, inspecting.undaunted_desire), (EASE, inspecting.desire)),
     ),
+    Behavior("pick", picking.act, ((EASE, picking.desire),)),
 )
 
 

@@ -50,7 +50,8 @@ def away_from_threat(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nat
     """Direction in which a fish of an alarmed school leaves the predator; zero if it knows of none.
 
     Its length is 1, and more within the clear space about the predator. It leads ASIDE_RAD from
-    straight away, to the fish's side of the predator's course.
+    straight away, to the fish's side of the predator's course. Beyond twice the clear space it is
+    the direction for the middle of the school: all flee the same way.
     """
     if flees_from_memory(minds, i):
         if minds.unseen[i] == np.inf:
@@ -58,16 +59,23 @@ def away_from_threat(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nat
         away = minus(vector(fishes.position[i]), vector(minds.threat_place[i]))
         return times(REMEMBERED / max(norm(away), 1.0), away)
     j = int(minds.predator[i])
-    away = minus(vector(fishes.position[i]), place_of(fishes, sea, j))
+    there = place_of(fishes, sea, j)
+    away = minus(vector(fishes.position[i]), there)
     distance = max(norm(away), 1.0)
+    clear = CLEAR * dread_of(minds, i, j, nature)
+    alike = min(max(distance / max(clear, 1.0) - 1.0, 0.0), 1.0)
+    if alike > 0.0 and minds.school_size[i] > 1.0:
+        common = minus(vector(minds.leader_place[i]), there)
+        away = plus(
+            times((1.0 - alike) / distance, away), times(alike / max(norm(common), 1.0), common)
+        )
     course = vector(sea.submarine[3:6]) if j == SUBMARINE else vector(fishes.velocity[j])
     left = course[0] * away[1] - course[1] * away[0]
     turn = 0.0 if left == 0.0 else ASIDE_RAD if left > 0.0 else -ASIDE_RAD
     c, s = np.cos(turn), np.sin(turn)
-    clear = CLEAR * dread_of(minds, i, j, nature)
     push = 1.0 + PUSH * max(1.0 - distance / max(clear, 1.0), 0.0)
     out = (c * away[0] - s * away[1], s * away[0] + c * away[1], away[2])
-    return times(push / distance, out)
+    return times(push / max(norm(away), 1e-6), out)
 
 
 @kernel

@@ -21,6 +21,7 @@ from subsea.state import (
     MATE,
     MENTAL_STATES,
     NOBODY,
+    PICK,
     POLYPS,
     POSE,
     PREDATOR,
@@ -77,6 +78,8 @@ def focus(world: World, fish: int) -> Focus:
         return NOTHING, None
     if intention == EAT:
         return _somebody(world, fish, target)
+    if intention == PICK:
+        return "a speck of plankton", None
     if intention == MATE:
         partner = int(minds.partner[fish])
         return _somebody(world, fish, target if partner == NOBODY else partner)

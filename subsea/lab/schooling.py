@@ -11,7 +11,7 @@ from subsea.kernels import kernel
 from subsea.lab.measures import SAMPLE_S, headings, runs
 from subsea.lab.rhythm import Rhythm, rhythm
 from subsea.media.record import Record
-from subsea.state import AVOID, ESCAPE, FEAR, SCHOOL
+from subsea.state import AVOID, ESCAPE, FEAR, PICK, SCHOOL
 
 LINK_BL = 4.0  # fishes of a school within this distance are connected
 WHOLE = 0.9  # least connected share of a whole school
@@ -48,8 +48,8 @@ class Split(NamedTuple):
 def schools(record: Record) -> list[School]:
     """Measure the shape of every school of at least three fishes, five times a second.
 
-    Counts the leader and the fishes that currently school, avoid something or escape; the others
-    pursue intentions of their own.
+    Counts the leader and the fishes that currently school, pick plankton, avoid something or
+    escape; the others pursue intentions of their own.
     """
     every = max(round(SAMPLE_S / record.tick_s), 1)
     followed = record.leader[::every]
@@ -66,11 +66,11 @@ def _school(record: Record, leader: int, every: int) -> School:
         members = np.flatnonzero(those)
         doing = record.intention[t, members]
         led = members == leader
-        schooling = members[np.isin(doing, (SCHOOL, AVOID, ESCAPE)) | led]
+        schooling = members[np.isin(doing, (SCHOOL, PICK, AVOID, ESCAPE)) | led]
         if len(members) < 3 or len(schooling) < 2:
             continue
         calm = bool(record.mental_state[t, members, FEAR].max() <= record.alarmed)
-        cruises = calm and bool(2 * ((doing == SCHOOL) | led).sum() >= len(members))
+        cruises = calm and bool(2 * (np.isin(doing, (SCHOOL, PICK)) | led).sum() >= len(members))
         ahead, place = headings(record.orientation[t, schooling]), record.position[t, schooling]
         mean = ahead.mean(axis=0)
         nearest, together = _spread(place.astype(np.float64), record.length[schooling], LINK_BL)
@@ -270,7 +270,7 @@ def _measured(record: Record, school: School) -> Schooling:
     for t in ticks[:: max(round(1.0 / (every * record.tick_s)), 1)]:  # once a second
         those = record.alive[t] & (record.leader[t] == school.leader)
         those[school.leader] = record.alive[t, school.leader]
-        members = np.flatnonzero(those & np.isin(record.intention[t], (SCHOOL, AVOID)))
+        members = np.flatnonzero(those & np.isin(record.intention[t], (SCHOOL, PICK, AVOID)))
         if len(members) >= 3:
             rows.append(_shape(record, t, members, bearing, sector))
     height, room, ahead, longer, flatter = (
@@ -303,11 +303,11 @@ def _measured(record: Record, school: School) -> Schooling:
 
 
 def _rhythm(record: Record, leader: int) -> Rhythm:
-    """Measure the rhythm of the fishes of one school while they school without alarm."""
+    """Measure the rhythm of the fishes of one school while they school or pick without alarm."""
     followed = (record.leader == leader).any(axis=0)
     followed[leader] = True
     those = np.flatnonzero(followed)
-    calm = record.alive[:, those] & (record.intention[:, those] == SCHOOL)
+    calm = record.alive[:, those] & np.isin(record.intention[:, those], (SCHOOL, PICK))
     calm &= record.mental_state[:, those, FEAR] <= record.alarmed
     return rhythm(record, those, calm)
 

@@ -27,6 +27,7 @@ from subsea.state import (
     EAT,
     GRAZE,
     NOBODY,
+    PICK,
     POSE,
     PREDATOR,
     SCHOOL,
@@ -165,7 +166,7 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
     margin, foresight, welcome = MARGIN_BL, FORESIGHT_S, int(NOBODY)
     if minds.courtship[i] > APPROACHING:
         margin, foresight, welcome = COURTING_BL, COURTING_S, int(minds.partner[i])
-    elif interrupted == SCHOOL:
+    elif interrupted in (SCHOOL, PICK):
         margin, foresight = SCHOOLING_BL, SCHOOLING_S
     elif interrupted in (GRAZE, POSE, CLEAN):
         # They tolerate neighbours, and the cleaner and its client touch.

@@ -17,6 +17,7 @@ PACIFIST, PREY, PREDATOR = range(3)
 AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
 # Those of a life on stone are rows of the same table.
 GRAZE, BATHE, GUARD, YIELD, SHELTER, POSE, CLEAN = range(9, 16)
+PICK = 20  # of plankton, in a school
 
 # Places that fishes look for on stone and among corals (`habitat/sites.py`); foods come first.
 SITES = ("turf", "polyps", "sponges", "rubble", "anemone", "shelter")

@@ -193,7 +193,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
 
     hunting.advance_hunts(who, fishes, minds, clock)
     share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
-    share(update_moods, who, LEAST_MINDS, fishes, minds, nature)
+    share(update_moods, who, LEAST_MINDS, fishes, minds, nature, clock)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     share(choose_intention, free, LEAST_MINDS, minds, nature, *table)

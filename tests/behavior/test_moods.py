@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.behavior import moods, schooling
-from subsea.state import FEAR, HUNGER
-from subsea.state.school_rules import CONTAGION, MOODS, NOISE_S
+from subsea.state import FEAR
+from subsea.state.school_rules import CONTAGION, MOODS, NOISE_S, REST
 
 ROW = 0
 
@@ -16,12 +16,11 @@ def _feel(tank, seconds=30.0, mood=0.0, company=0.0, rules=(), **felt):
     t.minds.schools[:], t.minds.neighbour[:, 0] = True, (1, 0)
     t.minds.mood[:], t.minds.company_mood[:] = mood, company
     t.minds.mental[:, FEAR] = felt.get("fear", 0.0)
-    t.minds.mental[:, HUNGER] = felt.get("hunger", 0.0)
-    t.minds.food_distance[:] = felt.get("food_cm", np.inf)
-    for column, value in {CONTAGION: 0.0, **dict(rules)}.items():
+    t.minds.errand[:] = felt.get("errand", 0.0)
+    for column, value in {CONTAGION: 0.0, REST: felt.get("rest", 0.0), **dict(rules)}.items():
         t.minds.rules[ROW, column] = value
     for _ in range(round(seconds / 0.033)):
-        moods.update_moods(np.array([0]), t.fishes, t.minds, t.nature)
+        moods.update_moods(np.array([0]), t.fishes, t.minds, t.nature, t.clock)
     return float(t.minds.mood[0])
 
 
@@ -32,13 +31,13 @@ def _feel(tank, seconds=30.0, mood=0.0, company=0.0, rules=(), **felt):
         ({"fear": 0.2}, 0.0),
         ({"fear": 0.35}, 0.5),
         ({"fear": 0.9}, 1.0),
-        ({"hunger": 0.9, "food_cm": 50.0}, -1.0),
-        ({"hunger": 0.9, "food_cm": 500.0}, 0.0),
-        ({"hunger": 0.2, "food_cm": 50.0}, 0.0),
-        ({"hunger": 0.9, "food_cm": 50.0, "fear": 0.9}, 1.0),
+        ({"rest": 1.0}, -1.0),
+        ({"rest": 1.0, "errand": 0.5}, 0.0),
+        ({"rest": 1.0, "fear": 0.35}, 0.0),
+        ({"rest": 1.0, "fear": 0.9}, 1.0),
     ],
 )
-def test_fear_alarms_and_food_calms_a_hungry_fish(tank, felt, mood):
+def test_fear_alarms_and_a_school_that_stays_feeds(tank, felt, mood):
     assert _feel(tank, **felt) == pytest.approx(mood, abs=0.02)
 
 
@@ -100,17 +99,15 @@ def test_noise_has_unit_variance_and_the_time_constant_of_the_rules(tank, stride
     assert abs(np.corrcoef(noise[:, 0], noise[:, 2])[0, 1]) < 0.06
 
 
-def test_a_resting_school_has_no_destination_and_is_slow(tank):
-    paces, courses = [], []
-    for rest in (0.0, 1.0):
+def test_a_feeding_school_is_slow(tank):
+    paces = []
+    for mood in (0.0, -1.0):
         t = tank(2)
         t.minds.schools[:], t.minds.leader[1], t.minds.leads[0] = True, 0, True
         t.minds.rules[0, [schooling.NOISE_RAD, schooling.PACE_NOISE]] = 0.0
-        t.minds.rules[0, schooling.REST] = rest
         t.minds.waypoint[0] = t.fishes.position[0] + (0.0, 900.0, 0.0)
-        t.fishes.velocity[:] = 0.0
+        t.fishes.velocity[:], t.minds.mood[:] = 0.0, mood
         t.at(5000).run(schooling.act, 0)
         paces.append(float(t.fishes.goal_speed[0]))
-        courses.append(float(t.minds.urge[0, 1]))
-    assert paces[1] < 0.7 * paces[0]
-    assert courses[0] > 0.2 and courses[1] == pytest.approx(0.0, abs=1e-6)
+    slower = schooling.TENDENCY * (1.0 - moods.FEEDING_SPEED) * schooling.CRUISING
+    assert paces[0] - paces[1] == pytest.approx(slower, rel=0.02)
