@@ -11,7 +11,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import burst, chase, mouth_of, set_urge
 from subsea.behavior.death import remove
-from subsea.behavior.manoeuvring import turn_to
+from subsea.behavior.manoeuvring import turn_to, wrapped
 from subsea.behavior.patrolling import give_way, is_blocked
 from subsea.behavior.wandering import wander
 from subsea.geometry.noise import uniform
@@ -19,6 +19,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
+from subsea.perception.vision import FIELD_COS
 from subsea.state import (
     CHEWING,
     EAT,
@@ -43,20 +44,23 @@ EAGER = 1.5  # least desire of a hunter over `keen`, so that it does not waver
 
 STALK, PURSUIT = 0.7, 1.0  # shares of the fastest speed: toward calm prey, and prey that flees
 AMBUSH_BL = 0.9, 0.5  # place to which it stalks: behind the prey and below it
-BEHIND = 0.8  # weight of the prey's tail against the nearer side in the choice of that place
+ROUND_RAD = np.radians(50.0)  # part of a circle about the prey by which it aims ahead ...
+ROUND = 0.8  # ... at this share of the distance, until it is in the blind angle
 GENTLE = 1.8  # distance of that place over its depth or height, as hunters climb slowly
 BOTTOM_BL = 0.3  # least height of that place over the seabed
 STALK_S = 14.0  # longest stalk ...
+CHASE_S = 6.0  # ... of prey that flees ...
 ALMOST_S = 4.0  # ... and how much longer it is at prey within range of a rush
 LOST_S = 4.0  # rest after it lost its prey, so that it does not waver
-PATIENT_S = 2.0  # after which it rushes from any side
-LOW, REAR_COS = 0.12, -0.5  # slope up to the prey, or cosine of its bearing, of a good place
+REAR_COS = -0.5  # cosine of its bearing from the prey's heading from which it closes in
+PATIENT_S = 7.0  # after which it rushes from any side
+LOW = 0.3  # slope up to the prey from which it is hidden below
 
-RUSH_BL = 1.6  # distance within which it rushes from there ...
-CHASE_BL = 1.8  # ... or at prey that flees ...
-AIM_RAD = np.radians(25.0)  # ... if it heads for it ...
+RUSH_BL = 2.0  # distance within which it rushes from there ...
+CHASE_BL = 2.2  # ... or at prey that flees ...
+AIM_RAD = np.radians(30.0)  # ... if it heads for it ...
 STEEPEST = 0.5  # ... and no steeper up or down, as it could not follow
-READY_S = 1.5  # spent part of a burst below which it rushes
+READY_S = 1.0  # spent part of a burst below which it rushes
 RUSH_S = 1.8  # longest rush
 MISSED_RAD = np.radians(75.0)  # angle to the prey beyond which a rush has missed
 SNAP_BL = 0.9  # distance within which it snaps its head round to the prey ...
@@ -70,7 +74,8 @@ CALM = 2.0  # by how much longer a lull is without hunger
 LULL_PURPOSE = np.int64(164)  # key of the random numbers
 
 ATTENTION_TICKS = 20  # until its attention may pass to another fish of a crowd, 0.67 s
-CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
+CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter ...
+CONFUSION = 0.5  # ... by this power of their number
 ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
@@ -175,26 +180,31 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
 def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Swim to a place below and behind the prey; begin the rush, or give up after a while.
 
-    Prey that flees has seen it: then it hides its approach no longer, but closes the gap.
+    It rounds the prey until it is in the blind angle, then closes in. Prey that flees has seen it:
+    then it hides its approach no longer, but closes the gap. Prey that it gives up costs it more
+    for a while, so that it turns to another.
     """
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
     prey, mouth = vector(fishes.position[j]), mouth_of(fishes, i)
     toward, heading = minus(prey, mouth), x_axis(fishes.orientation[j])
     distance = max(norm(toward), 1e-6)
     back, down = AMBUSH_BL
-    side = times(-1.0 / distance, (toward[0], toward[1], 0.0))
-    aside = minus(side, times(BEHIND, (heading[0], heading[1], 0.0)))
     back = max(back * length, GENTLE * abs(toward[2]))
-    place = plus(prey, times(back / max(norm(aside), 0.2), aside))
+    seen = minds.intention[j] == ESCAPE
+    rear = -dot(toward, heading) / distance
+    bearing, tail = np.arctan2(-toward[1], -toward[0]), np.arctan2(-heading[1], -heading[0])
+    turn = wrapped(tail - bearing)
+    if rear > REAR_COS and not seen:
+        back = max(back, ROUND * distance)
+    bearing += min(max(turn, -ROUND_RAD), ROUND_RAD)
+    place = plus(prey, times(back, (np.cos(bearing), np.sin(bearing), 0.0)))
     floor = height_at(sea.floor, sea.half_width, place[0], place[1]) + BOTTOM_BL * length
     place = (place[0], place[1], max(place[2] - down * length, min(floor, prey[2])))
     chase(fishes, minds, i, place, vector(fishes.velocity[j]))
     set_urge(minds, i, give_way(fishes, minds, i, vector(minds.urge[i])))
-    seen = minds.intention[j] == ESCAPE
     fishes.goal_speed[i] = PURSUIT if seen else STALK
     spell = minds.hunt_time[i]
-    rear = -dot(toward, heading) / distance
-    good = toward[2] > LOW * distance or rear < REAR_COS or spell > PATIENT_S
+    good = toward[2] > LOW * distance or rear <= FIELD_COS or spell > PATIENT_S
     near = (seen and distance < CHASE_BL * length) or (good and distance < RUSH_BL * length)
     near = near and abs(toward[2]) < STEEPEST * distance
     aim = dot(toward, x_axis(fishes.orientation[i])) > np.cos(AIM_RAD) * distance
@@ -202,9 +212,9 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
         set_urge(minds, i, give_way(fishes, minds, i, toward))
     if near and aim and minds.spent[i] < READY_S and not is_blocked(fishes, minds, i):
         begin(minds, i, RUSHING)
-    elif spell > STALK_S + (ALMOST_S if near else 0.0):
+    elif spell > (CHASE_S if seen else STALK_S) + (ALMOST_S if near else 0.0):
         begin(minds, i, PATROLLING)
-        minds.lull[i] = _lull(minds, i, 0, clock)
+        minds.lull[i], minds.missed[i] = LOST_S, j
 
 
 @kernel
@@ -214,7 +224,7 @@ def _rush(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> None:
     The snap is a C-start to its side, whose first stage bends the body within 0.1 s.
     """
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
-    j, sure = attended(fishes, minds, i, j, companions(fishes, minds, j), clock)
+    j, sure = attended(fishes, minds, i, j, clock)
     minds.target[i] = j
     toward = minus(vector(fishes.position[j]), mouth_of(fishes, i))
     gap = norm(toward)
@@ -237,31 +247,34 @@ def _rush(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> None:
 
 @kernel
 def companions(fishes: Fishes, minds: Minds, j: int) -> int:
-    """The number of neighbours of fish j that are near enough to confuse its hunter."""
-    here, count = vector(fishes.position[j]), 0
-    for k in minds.neighbour[j]:
-        if k < 0 or norm(minus(vector(fishes.position[k]), here)) > CROWD_BL * fishes.length[j]:
-            break
-        count += 1
+    """Count the prey that are near enough to fish j to confuse its hunter."""
+    here, reach = vector(fishes.position[j]), CROWD_BL * float(fishes.length[j])
+    count = 0
+    for k in range(len(fishes.length)):
+        if abs(fishes.position[k, 0] - here[0]) > reach or k == j or minds.kind[k] != PREY:
+            continue
+        gap = minus(vector(fishes.position[k]), here)
+        count += fishes.alive[k] and dot(gap, gap) < reach * reach
     return count
 
 
 @kernel
-def attended(
-    fishes: Fishes, minds: Minds, i: int, j: int, crowd: int, clock: Clock
-) -> tuple[int, bool]:
-    """The fish that hunter i attends to, and whether it is sure of it.
+def attended(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> tuple[int, bool]:
+    """Return the fish that hunter i attends to, and whether it is sure of it.
 
-    For a spell of ATTENTION_TICKS it is drawn to prey j or to one of its `crowd` companions, all
-    alike. It opens its mouth only if it stays with its prey, so companions confuse it (Neill and
-    Cullen, J. Zool. 172:549, 1974).
+    Prey that cross its view draw its attention from prey j. For a spell of ATTENTION_TICKS it stays
+    with j in one case of (1 + companions) ** CONFUSION; else it turns to a neighbour of j, which
+    costs it the spell: it opens its mouth only if it is sure. So the risk of each attack falls with
+    the size of the group (Neill and Cullen, J. Zool. 172:549, 1974).
     """
     spell = clock.tick // ATTENTION_TICKS
-    drawn = int((crowd + 1) * uniform(clock.seed, i, spell, ATTENTION_PURPOSE))
     before = clock.tick - round(minds.pause[i] / clock.dt)  # its last decision
-    if drawn == 0 or before // ATTENTION_TICKS == spell:
-        return j, drawn == 0
-    k = int(minds.neighbour[j, drawn - 1])
+    drawn = uniform(clock.seed, i, spell, ATTENTION_PURPOSE)
+    stays = (1.0 + companions(fishes, minds, j)) ** -CONFUSION
+    if drawn < stays or before // ATTENTION_TICKS == spell:
+        return j, drawn < stays
+    nearest = minds.neighbour[j]
+    k = int(nearest[int((drawn - stays) / (1.0 - stays) * len(nearest))])
     first, end, kind = minds.quarry[i]
     quarry = first <= k < end and (kind < 0 or fishes.species[k] == kind)
     quarry = quarry and k != minds.conceded[i]

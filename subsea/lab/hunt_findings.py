@@ -47,6 +47,10 @@ def hunt_findings(
     else:
         yield RangeCheck(label, number, min(counts), note=note)
         yield RangeCheck(label, first, max(firsts), " s")
+    hidden = [one.hidden for run in runs for one in run.rushes if one.close]
+    if hidden:
+        share, note = sum(hidden) / len(hidden), f"{len(hidden)} rushes"
+        yield RangeCheck(label, "rushes from the blind angle or from below", share, note=note)
     gap = min(run.least_gap_cm for run in runs)
     if gap < float("inf"):
         yield RangeCheck(

@@ -22,6 +22,7 @@ STALK_S = 2.0  # before a rush, over which the direction of the approach is aver
 LEAST_STALK_S = 1.0
 BELOW_DEG = 5.0  # elevation of the prey from the snout beyond which the approach is from below
 BEHIND_DEG = 120.0  # bearing of the hunter from the prey's heading beyond which it is behind
+BLIND_DEG, UNDER_DEG = 150.0, 20.0  # bearing and depression of a hunter that is hard to see
 SCHOOL_BL, COMPANIONS = 6.0, 2  # at a school: companions within this many lengths of the prey
 CLOSE_BL = 1.0  # a rush is at close range if the snout comes within this many lengths of a prey
 HIT_S = 1.0  # prey that dies until then was caught by the rush
@@ -39,6 +40,7 @@ class Rush(NamedTuple):
     peak_bl_s: float  # greatest speed, L/s
     below: bool  # the stalk before it came from below ...
     behind: bool  # ... or from behind
+    hidden: bool  # it began in the blind angle of the prey, or from well below
     school: bool  # the prey had companions near
     hit: bool
 
@@ -136,6 +138,8 @@ def _rush(record: Record, i: int, speed: Array, start: int, caught: set[int]) ->
     rise = np.degrees(np.arcsin(toward[:, 2] / far)).mean()
     ahead = headings(record.orientation[before, j])
     bearing = np.degrees(np.arccos(np.clip((-toward * ahead).sum(axis=1) / far, -1, 1))).mean()
+    lowered = np.degrees(np.arcsin(toward[-1, 2] / far[-1]))
+    blind = -toward[-1] @ ahead[-1] < far[-1] * np.cos(np.radians(BLIND_DEG))
     same = np.flatnonzero((record.species == record.species[j]) & record.alive[start])
     same = same[record.kind[same] == PREY]
     apart = np.linalg.norm(record.position[start, same] - record.position[start, j], axis=1)
@@ -154,6 +158,7 @@ def _rush(record: Record, i: int, speed: Array, start: int, caught: set[int]) ->
         float(speed.max()),
         bool(rise > BELOW_DEG),
         bool(bearing > BEHIND_DEG),
+        bool(blind or lowered > UNDER_DEG),
         bool(company >= COMPANIONS),
         bool(died and fed),
     )

@@ -10,8 +10,14 @@ LEAST_S = 60.0  # fish-seconds of a species whose time budget is compared
 ACTIVE = tuple(name for name in PURPOSES if name != "rest")
 
 
-def mind_findings(label: str, found: MindMeasures, table: MeasuredSwimming) -> Iterator[RangeCheck]:
-    """Compare bouts, fear and time budgets of the seas of one label with their ranges."""
+def mind_findings(
+    label: str, found: MindMeasures, table: MeasuredSwimming, directed: bool = False
+) -> Iterator[RangeCheck]:
+    """Compare bouts, fear and time budgets of the seas of one label with their ranges.
+
+    In a `directed` sea a direction makes fishes court. Then their time of courting is only listed:
+    the range is that of fishes that choose their hour.
+    """
     facts, counts, fear = table.minds, found.bouts, found.fear
     whole, calm = int(counts.whole.sum()), int(counts.calm.sum())
     if whole:
@@ -29,22 +35,27 @@ def mind_findings(label: str, found: MindMeasures, table: MeasuredSwimming) -> I
         note = f"{len(fear.lasted)} times"
         name = "alarm after the last sight of a predator"
         yield published(label, name, lasted, " s", facts.alarm, note)
-    yield from _budgets(label, found, table)
+    yield from _budgets(label, found, table, directed)
 
 
-def _budgets(label: str, found: MindMeasures, table: MeasuredSwimming) -> Iterator[RangeCheck]:
+def _budgets(
+    label: str, found: MindMeasures, table: MeasuredSwimming, directed: bool
+) -> Iterator[RangeCheck]:
     facts = table.budget
-    for name in sorted({species for species, _ in found.budget}):
-        hours = {hour: spent for (one, hour), spent in found.budget.items() if one == name}
+    for species in sorted({species for species, _ in found.budget}):
+        hours = {hour: spent for (one, hour), spent in found.budget.items() if one == species}
         if sum(sum(spent.values()) for spent in hours.values()) < LEAST_S:
             continue
-        subject, shares = f"{label}: {name}", shares_of([*hours.values()])
-        if name not in found.hunters:
+        subject, shares = f"{label}: {species}", shares_of([*hours.values()])
+        if species not in found.hunters:
             yield published(subject, "time feeding", shares["feeding"], "", facts.feeding)
         by_day = [spent for hour, spent in hours.items() if DAY_H[0] <= hour + 0.5 < DAY_H[1]]
         if by_day and shares["courting"]:
-            courting = shares_of(by_day)["courting"]
-            yield published(subject, "time courting by day", courting, "", facts.courting)
+            name, courting = "time courting by day", shares_of(by_day)["courting"]
+            if directed:
+                yield RangeCheck(subject, name, courting, note="by direction")
+            else:
+                yield published(subject, name, courting, "", facts.courting)
         yield published(subject, "time avoiding", shares["avoiding"], "", facts.avoiding)
 
 

@@ -249,6 +249,7 @@ def summarise(done: Done) -> Summary:
 def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     """Compare all quantities with their ranges."""
     found = summarise(done)
+    directed = {trial.label for trial, _ in done if _directs_courtship(trial.scenario)}
     rows = [
         row
         for name, one in found.swims.items()
@@ -263,9 +264,15 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     for label, rushes in found.rushes.items():
         rows.extend(hunt_findings.hunt_findings(label, rushes, table.predation, label == HUNT))
     for label, mind in found.minds.items():
-        rows.extend(mind_findings(label, mind, table))
+        rows.extend(mind_findings(label, mind, table, label in directed))
     rows.extend(_bounds(done))
     return rows
+
+
+def _directs_courtship(name: str) -> bool:
+    """True if a direction of the scenario makes fishes court, at any hour."""
+    directions = load_scenario(name).scenario.direction
+    return any(one.pair is not None or one.libido is not None for one in directions)
 
 
 def _swimming(

@@ -10,13 +10,13 @@ from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
-from subsea.state import HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state import ESCAPE, HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
 from subsea.state.wants import TEMPTING
 
 PREY_CELL_CM = 100.0
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
 STEEPEST = 0.34  # sine of the steepest way of a stalking predator, as in `motor/controller.py`
-MISSED_COST = 2.0  # factor on the cost of prey that is warned
+WARNED_COST = 2.0  # factor on the cost of prey that it missed, and of prey that flees
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
@@ -144,10 +144,11 @@ def perceives(fishes: Fishes, i: int, j: int, sea: Sea, nature: Nature, distance
 
 @kernel
 def price_of(fishes: Fishes, minds: Minds, i: int, j: int, mouth: Vector, ahead: Vector) -> float:
-    """The cost, cm, of catching prey j for predator i; more of the one that it has just missed."""
+    """The cost, cm, of catching prey j for predator i; more of prey that is warned of it."""
     toward = minus(vector(fishes.position[j]), mouth)
     cost = cost_of(toward, norm(toward), ahead, is_in_school(fishes, minds, j))
-    return cost * (MISSED_COST if minds.missed[i] == j else 1.0)
+    cost *= WARNED_COST if minds.missed[i] == j else 1.0
+    return cost * (WARNED_COST if minds.intention[j] == ESCAPE else 1.0)
 
 
 @kernel

@@ -307,7 +307,7 @@ class Minds(NamedTuple):
     hunt: Annotated[HUNT_PHASE, behavior("n"), "phase of a predator's hunt, code in HUNT"]
     hunt_time: Annotated[F32, behavior("n", unit="s"), "time in this phase"]
     lull: Annotated[F32, behavior("n", unit="s"), "time until a predator stalks again"]
-    missed: Annotated[FISH, behavior("n"), "prey that it missed in its last rush, or NOBODY"]
+    missed: Annotated[FISH, behavior("n"), "prey that it missed or gave up last, or NOBODY"]
     misses: Annotated[F32, behavior("n"), "rushes without a catch since the last one"]
     trail: Annotated[F32, behavior("n", unit="s", start=NEVER), "time since it lost an odour"]
     memory: Annotated[I8, behavior("n", start=-1, within=(-1, "b")), "interrupted (Tu §7.7.1)"]

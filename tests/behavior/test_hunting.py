@@ -125,14 +125,23 @@ def test_a_hunter_stalks_and_rushes_once_it_is_near(around, place, phase):
     assert minds.fatigue[EAT, 0] == pytest.approx(5.0 - DT)
 
 
-def test_it_stalks_to_a_place_below_and_behind_the_prey(around):
-    """The prey heads along y, so its tail is to the right of the hunter's way."""
+@pytest.mark.parametrize(
+    ("heading", "fled", "aside_deg"),
+    [
+        (0.0, False, 0.0),  # it swims away: straight after it
+        (0.5, False, -10.0),  # it closes in, to the tail
+        (np.pi / 2, False, -51.0),  # across: it rounds it to the tail
+        (-np.pi / 2, False, 51.0),
+        (np.pi / 2, True, -14.0),  # it has seen the hunter, so there is no need to hide
+    ],
+)
+def test_it_rounds_the_prey_to_a_place_below_and_behind(around, heading, fled, aside_deg):
     fishes, minds = _hunter(FAR)
-    fishes.orientation[1] = heading_quaternion(np.pi / 2)
+    fishes.orientation[1] = heading_quaternion(heading)
+    minds.intention[1] = ESCAPE if fled else WANDER
     _act(fishes, minds, around)
     way = minds.urge[0] / np.linalg.norm(minds.urge[0])
-    assert way[0] > 0.8
-    assert way[1] < -0.1
+    assert np.degrees(np.arctan2(way[1], way[0])) == pytest.approx(aside_deg, abs=5.0)
     assert way[2] < -0.1
 
 
@@ -423,29 +432,42 @@ def test_a_shoal_may_be_of_another_kind_than_its_species():
     assert (world.state.minds.kind == PREDATOR).all()
 
 
-def test_in_a_crowd_attention_is_divided_evenly(around):
-    """Among a prey and two near companions; the third is too far away, and a lone one keeps it."""
-    fishes, minds = _hunter((60, 0, 0), (60, 20, 0), (60, -30, 0), (60, 200, 0))
-    minds.neighbour[1, :3] = 2, 3, 4
-    ticks = ATTENTION_TICKS * np.arange(600)
+@pytest.mark.parametrize(("crowd", "stays"), [(0, 1.0), (2, 3**-0.5), (5, 6**-0.5), (19, 20**-0.5)])
+def test_the_more_prey_the_less_sure_is_the_hunter_of_one(around, crowd, stays):
+    """Neighbours of the prey are drawn alike; those out of reach and other kinds confuse nobody."""
+    close = [(60, 3 * k, 0) for k in range(crowd + 1)]
+    fishes, minds = _hunter(*close, (60, 200, 0), (60, 0, 10))
+    minds.kind[-1] = PACIFIST
+    near = min(crowd, minds.neighbour.shape[1])
+    minds.neighbour[1] = -1
+    minds.neighbour[1, :near] = 2 + np.arange(near)
+    assert companions(fishes, minds, 1) == crowd
+    seen = [attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(tick)))
+            for tick in ATTENTION_TICKS * np.arange(800)]  # fmt: skip
+    assert np.mean([sure for _, sure in seen]) == pytest.approx(stays, abs=0.06)
+    assert all(fish == 1 for fish, sure in seen if sure)
+    if near == minds.neighbour.shape[1]:
+        drawn = np.bincount([fish for fish, sure in seen if not sure], minlength=2 + near)[2:]
+        assert drawn / drawn.sum() == pytest.approx(1 / near, abs=0.06)
+
+
+def test_attention_passes_once_in_a_spell_and_to_allowed_prey(around):
+    fishes, minds = _hunter((60, 0, 0), (60, 20, 0), (60, -30, 0))
+    minds.neighbour[1] = -1
+    minds.neighbour[1, :2] = 2, 3
+    ticks = ATTENTION_TICKS * np.arange(300)
 
     def chosen(tick):
-        crowd = companions(fishes, minds, 1)
-        return attended(fishes, minds, 0, 1, crowd, CLOCK._replace(tick=int(tick)))
+        return attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(tick)))
 
     seen = [chosen(tick) for tick in ticks]
-    assert np.bincount([fish for fish, _ in seen], minlength=5) / 600 == pytest.approx(
-        [0, 1, 1, 1, 0] / np.float64(3), abs=0.08
-    )
-    assert all(sure == (fish == 1) for fish, sure in seen)
+    assert {fish for fish, _ in seen} == {1, 2, 3}
     # It is unsure for the whole spell, and passes to another at its first decision in it.
     assert [chosen(tick + 1) for tick in ticks] == [(1, sure) for _, sure in seen]
     minds.pause[0] = 8 * DT
     assert [chosen(tick + 7) for tick in ticks] == seen
     minds.quarry[0] = 0, 3, -1  # directed
     assert {fish for fish, _ in map(chosen, ticks)} == {1, 2}
-    minds.neighbour[1] = -1
-    assert {chosen(tick) for tick in ticks} == {(1, True)}
 
 
 def test_a_hunter_that_is_not_sure_keeps_its_mouth_shut(around):
@@ -458,7 +480,7 @@ def test_a_hunter_that_is_not_sure_keeps_its_mouth_shut(around):
         minds.neighbour[1, :2] = 2, 3
         fishes.gape[0], minds.hunt[0] = 0.0, RUSHING
         clock = CLOCK._replace(tick=int(tick))
-        _, sure = attended(fishes, minds, 0, 1, 2, clock)
+        _, sure = attended(fishes, minds, 0, 1, clock)
         eating.act(np.array([0]), fishes, minds, *around, clock)
         assert fishes.goal_speed[0] > 1.0
         assert fishes.gape[0] == (1.0 if sure else 0.0)

@@ -56,9 +56,11 @@ def test_the_phases_of_a_hunt_have_their_times_and_speeds():
 
 def test_the_approach_is_from_below_or_behind():
     (level,) = hunts(a_hunt()).rushes
-    assert (level.below, level.behind) == (False, True)
+    assert (level.below, level.behind, level.hidden) == (False, True, True)
     (deep,) = hunts(a_hunt(below=0.7, turned=True)).rushes
-    assert (deep.below, deep.behind) == (True, False)
+    assert (deep.below, deep.behind, deep.hidden) == (True, False, False)
+    (deep,) = hunts(a_hunt(below=1.0, turned=True)).rushes
+    assert deep.hidden
 
 
 def test_companions_make_a_school_and_a_death_a_hit():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.base.findings import FAIL, MISSING, PASS
+from subsea.base.findings import FAIL, MISSING, NO_RANGE, PASS
 from subsea.base.report_files import ReportFiles
 from subsea.cli.main import main
 from subsea.fish.measured import load_measured
@@ -201,6 +201,16 @@ def test_courting_counts_by_day_only():
                   for hour in (6, 7, 15, 16, 17)]  # fmt: skip
     name = "time courting by day"
     assert [name in found for found in quantities] == [False, True, True, False, False]
+
+
+def test_courting_by_direction_is_only_listed():
+    """The pair of the rendezvous courts in the morning because the scene says so."""
+    runs = done(mind=a_mind(spent={"mate": 70.0, "eat": 30.0}))
+    for scenario, verdict in (("preying", FAIL), ("rendezvous", NO_RANGE)):
+        trial = runs[0][0]._replace(scenario=scenario)
+        (row,) = [one for one in findings([(trial, runs[0][1])], load_measured())
+                  if one.quantity == "time courting by day"]  # fmt: skip
+        assert row.verdict == verdict
 
 
 def test_hunters_and_moments_have_no_time_to_feed():

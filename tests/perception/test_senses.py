@@ -8,16 +8,17 @@ from hypothesis import strategies as st
 from subsea.habitat.day import in_daylight
 from subsea.perception.foraging import (
     COMPANY_CM,
-    MISSED_COST,
     SCHOOL_COST,
     STEEPEST,
     TURN_COST,
+    WARNED_COST,
 )
 from subsea.perception.predators import FELT_BL
 from subsea.perception.senses import fish_due, sense
 from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
 from subsea.state import (
     CIRCLING,
+    ESCAPE,
     LIBIDO,
     LOOPING,
     NO_COURTSHIP,
@@ -211,7 +212,8 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
             turn = np.arccos(np.clip(gap @ x / d, -1, 1))
             way = max(d, abs(gap[2]) / STEEPEST)
             cost = way * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
-            cost *= MISSED_COST if t.minds.missed[i] == j else 1.0
+            cost *= WARNED_COST if t.minds.missed[i] == j else 1.0
+            cost *= WARNED_COST if t.minds.intention[j] == ESCAPE else 1.0
             if seen or d <= t.nature.smell_cm:
                 able.append((cost, d, j))
         best = [j for _, _, j in sorted(able)[:3]]
