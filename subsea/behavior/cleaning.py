@@ -9,6 +9,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import chase, mouth_of, set_urge
 from subsea.behavior.grazing import feed
+from subsea.behavior.manoeuvring import careful, steer
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
@@ -19,7 +20,8 @@ from subsea.state.habits import is_pleasant
 ITCH_S = (800.0, 1400.0)  # from one cleaning until a fish itches fully, by its identity
 BEGINS, ENDS = 0.6, 0.3  # itch at which it goes to a cleaner, and at which it leaves
 WAITS_S = 15.0  # for the cleaner, which may be busy
-POSING = 0.67  # desire to be cleaned: more than to browse
+POSING = 0.67  # desire to be cleaned: more than curiosity
+COMES = 0.6  # fastest speed of clients and cleaners on their way, share of the fastest
 RING_CM, RING_BL = 20.0, 1.2  # clients stand this far from the station: constant, and per length
 THERE_BL = 0.8  # distance from that place at which a client poses
 HEAD_UP = np.tan(np.radians(48.0))  # slope of a body that poses
@@ -31,7 +33,6 @@ TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the 
 PICKS_HZ = 1.2
 CLEANED_S = 9.0  # of picking take away the whole itch
 JOLT_S = 16.0  # mean time until a client jolts
-AIMED_COS, TURNS = 0.6, 0.05  # angle within which it swims ahead; its speed in a turn
 GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim
 MEALS_S = 3.0  # digestion that a second of picking covers, s
 JOLT_PURPOSE = np.int64(165)  # key of the random numbers
@@ -64,8 +65,6 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
     """Come to a place around the station, and stand there with the head up."""
     for i in who:
         c = minds.cleaner[i]
-        if c == NOBODY:
-            continue
         if minds.held[i] > WAITS_S and minds.client[c] != i:
             minds.itch[i] = 0.9 * ENDS  # it gives up for now
         spot = plus(vector(minds.home[c]), _place_in_ring(fishes, i))
@@ -73,6 +72,7 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
         ahead = x_axis(fishes.orientation[i])
         if norm(toward) > THERE_BL * fishes.length[i]:
             chase(fishes, minds, i, spot, ZERO)
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(COMES))
             continue
         level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-3)
         set_urge(minds, i, (ahead[0] / level, ahead[1] / level, HEAD_UP))
@@ -122,24 +122,24 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         length = float(fishes.length[i])
         if j == NOBODY:
             gap = chase(fishes, minds, i, vector(minds.home[i]), ZERO)
-            if gap < NEAR_BL * length:
-                fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(0.5 * GLIDES))
+            most = 0.5 * GLIDES if gap < NEAR_BL * length else COMES
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(most))
             continue
         skin = _skin(fishes, i, j, now)
         toward = minus(skin, mouth_of(fishes, i))
         gap = norm(toward)
         if gap > NEAR_BL * length:
             chase(fishes, minds, i, skin, vector(fishes.velocity[j]))
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(COMES))
             continue
-        set_urge(minds, i, toward)
-        # It turns about on the spot, as a wide turn would lead it away from its client.
-        aimed = dot(x_axis(fishes.orientation[i]), toward) > AIMED_COS * gap
-        fishes.goal_speed[i] = max(GLIDES * min(gap / length, 1.0), TURNS) if aimed else TURNS
+        turn = steer(fishes, minds, i, toward)
+        fishes.goal_speed[i] = GLIDES * careful(turn) * min(gap / length, 1.0)
         if gap > TOUCH_BL * length:
             continue
         fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)
         minds.itch[j] = max(minds.itch[j] - np.float32(minds.pause[i] / CLEANED_S), np.float32(0.0))
-        feed(minds, i, MEALS_S * float(minds.pause[i]), now)
+        covers = MEALS_S * float(minds.pause[i] * minds.digestion[i] * minds.appetite[i])
+        feed(minds, i, covers, now)
         if uniform(clock.seed, j, clock.tick, JOLT_PURPOSE) < minds.pause[i] / JOLT_S:
             minds.itch[j] = min(minds.itch[j], np.float32(0.5 * ENDS))
 

@@ -33,16 +33,25 @@ def mind_findings(label: str, found: MindMeasures, table: MeasuredSwimming) -> I
 
 
 def _budgets(label: str, found: MindMeasures, table: MeasuredSwimming) -> Iterator[RangeCheck]:
+    """Compare time budgets with those of a reef's day.
+
+    Where a key of the scenario imposes courtship, its time is not a fish's own choice, nor is the
+    time that is left to feed: neither has a range.
+    """
     facts = table.budget
     for name in sorted({species for species, _ in found.budget}):
         hours = {hour: spent for (one, hour), spent in found.budget.items() if one == name}
         if sum(sum(spent.values()) for spent in hours.values()) < LEAST_S:
             continue
         subject, shares = f"{label}: {name}", shares_of([*hours.values()])
-        if name not in found.hunters:
+        if name in found.courts:
+            note = "courtship is imposed"
+            yield RangeCheck(subject, "time feeding", shares["feeding"], note=note)
+            yield RangeCheck(subject, "time courting", shares["courting"], note=note)
+        elif name not in found.hunters:
             yield published(subject, "time feeding", shares["feeding"], "", facts.feeding)
         by_day = [spent for hour, spent in hours.items() if DAY_H[0] <= hour + 0.5 < DAY_H[1]]
-        if by_day and shares["courting"]:
+        if by_day and shares["courting"] and name not in found.courts:
             courting = shares_of(by_day)["courting"]
             yield published(subject, "time courting by day", courting, "", facts.courting)
         yield published(subject, "time avoiding", shares["avoiding"], "", facts.avoiding)

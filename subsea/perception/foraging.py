@@ -13,6 +13,7 @@ from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea
 
 PREY_CELL_CM = 100.0
+WALL_BL = 2.5  # distance of food from the wall, for fishes that turn in wide arcs
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
 STEEPEST = 0.34  # sine of the steepest way of a stalking predator, as in `motor/controller.py`
 MISSED_COST = 2.0  # factor on the cost of prey that is warned
@@ -33,7 +34,7 @@ def perceive_plankton(
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
     is the larger, smell alone decides. A fish that keeps to the ground minds only specks that are
-    no higher than it cruises.
+    no higher than it cruises, and those that leave it room to turn before the wall.
     """
     gaps = np.empty(minds.foods.shape[1])
     for i in who:
@@ -42,20 +43,25 @@ def perceive_plankton(
             guess = farthest(sea.plankton, mouth, minds.foods[i])
             nearest(grid, mouth, nature.smell_cm, -1, minds.foods[i], gaps, guess)
             if minds.cruise_height[i, 1] < np.inf:
-                _forget_high(minds, i, sea, gaps)
+                _forget_unfit(fishes, minds, i, sea, gaps)
             minds.food[i] = minds.foods[i, 0]
             minds.food_distance[i] = gaps[0]
 
 
 @kernel
-def _forget_high(minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
-    """Remove specks from the food of fish i, and their `gaps`, that are higher than it cruises."""
+def _forget_unfit(fishes: Fishes, minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
+    """Remove specks from the food of fish i, and their `gaps`, that it cannot reach with ease.
+
+    They are higher than it cruises, or nearer to the wall than it turns.
+    """
     kept, foods = 0, minds.foods[i]
+    edge = sea.radius - WALL_BL * float(fishes.length[i])
     for k in range(len(foods)):
         if foods[k] < 0:
             continue
         x, y, z = vector(sea.plankton[foods[k]])
-        if z - height_at(sea.floor, sea.half_width, x, y) <= minds.cruise_height[i, 1]:
+        low = z - height_at(sea.floor, sea.half_width, x, y) <= minds.cruise_height[i, 1]
+        if low and x * x + y * y < edge * edge:
             foods[kept], gaps[kept] = foods[k], gaps[k]
             kept += 1
     foods[kept:] = -1
