@@ -11,6 +11,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import chase, mouth_of, set_urge
 from subsea.behavior.curious import BACKS_OFF
 from subsea.behavior.grazing import feed
+from subsea.behavior.manoeuvring import careful, steer
 from subsea.behavior.steering import BODY_BL, CLEARANCE_CM
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import rotate, x_axis
@@ -35,7 +36,8 @@ from subsea.state.wants import ITCH_BEGINS, ITCH_ENDS
 ITCH_S = (800.0, 1400.0)  # from one cleaning until a fish itches fully, by its identity
 GLASS_S = 150.0  # likewise of a cleaner, from one visit to the window until it longs for the next
 WAITS_S = 15.0  # for the cleaner, which may be busy
-POSING = 0.67  # desire to be cleaned: more than to browse
+POSING = 0.67  # desire to be cleaned: more than curiosity
+COMES = 0.6  # fastest speed of clients and cleaners on their way, share of the fastest
 RING_CM, RING_BL = 20.0, 1.2  # clients stand this far from the station: constant, and per length
 THERE_BL = 0.8  # distance from that place at which a client poses
 HEAD_UP = np.tan(np.radians(48.0))  # slope of a body that poses
@@ -50,7 +52,6 @@ TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the 
 PICKS_HZ = 1.2
 CLEANED_S = 9.0  # of picking take away the whole itch
 JOLT_S = 16.0  # mean time until a client jolts
-AIMED_COS, TURNS = 0.6, 0.05  # angle within which it swims ahead; its speed in a turn
 GLIDES = 0.45  # fastest speed of a cleaner at work, share of its fast swim ...
 ARRIVES_BL, GENTLY = 5.0, 0.25  # ... and from this distance on, by its length; before a window
 MEALS_S = 3.0  # digestion that a second of picking covers, s
@@ -85,8 +86,6 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
     """Come to a place around the station, and stand there with the head up."""
     for i in who:
         c = minds.cleaner[i]
-        if c == NOBODY:
-            continue
         if minds.held[i] > WAITS_S and minds.client[c] != i:
             minds.itch[i] = 0.9 * ITCH_ENDS  # it gives up for now
         spot = plus(vector(minds.home[c]), _place_in_ring(fishes, i))
@@ -94,6 +93,7 @@ def pose(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
         ahead = x_axis(fishes.orientation[i])
         if norm(toward) > THERE_BL * fishes.length[i]:
             chase(fishes, minds, i, spot, ZERO)
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(COMES))
             continue
         level = max(np.sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]), 1e-3)
         set_urge(minds, i, (ahead[0] / level, ahead[1] / level, HEAD_UP))
@@ -143,8 +143,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         length = float(fishes.length[i])
         if j == NOBODY:
             gap = chase(fishes, minds, i, vector(minds.home[i]), ZERO)
-            if gap < NEAR_BL * length:
-                fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(0.5 * GLIDES))
+            most = 0.5 * GLIDES if gap < NEAR_BL * length else COMES
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(most))
             continue
         at_glass = j == SUBMARINE
         skin = _glass(sea, i, now) if at_glass else _skin(fishes, i, j, now)
@@ -152,22 +152,21 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         gap = norm(toward)
         if gap > NEAR_BL * length:
             chase(fishes, minds, i, skin, ZERO if at_glass else vector(fishes.velocity[j]))
-            if gap < ARRIVES_BL * length:
-                fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(GLIDES))
+            most = GLIDES if at_glass and gap < ARRIVES_BL * length else COMES
+            fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(most))
             continue
-        set_urge(minds, i, toward)
         if at_glass and _keeps_off(fishes, minds, i, sea):
             continue
-        # It turns about on the spot, as a wide turn would lead it away from its client.
-        aimed = dot(x_axis(fishes.orientation[i]), toward) > AIMED_COS * gap
+        turn = steer(fishes, minds, i, toward)
         fastest = GENTLY if at_glass else GLIDES
-        fishes.goal_speed[i] = max(fastest * min(gap / length, 1.0), TURNS) if aimed else TURNS
+        fishes.goal_speed[i] = fastest * careful(turn) * min(gap / length, 1.0)
         if gap > TOUCH_BL * length:
             continue
         fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)
         c = i if at_glass else j
         minds.itch[c] = max(minds.itch[c] - np.float32(minds.pause[i] / CLEANED_S), np.float32(0.0))
-        feed(minds, i, MEALS_S * float(minds.pause[i]), now)
+        covers = MEALS_S * float(minds.pause[i] * minds.digestion[i] * minds.appetite[i])
+        feed(minds, i, covers, now)
         jolts = uniform(clock.seed, c, clock.tick, JOLT_PURPOSE) < minds.pause[i] / JOLT_S
         if jolts and not at_glass:
             minds.itch[c] = min(minds.itch[c], np.float32(0.5 * ITCH_ENDS))

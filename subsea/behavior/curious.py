@@ -3,15 +3,14 @@
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.chasing import chase, set_urge
+from subsea.behavior.chasing import chase
+from subsea.behavior.manoeuvring import steer
 from subsea.behavior.wandering import is_at_home
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import PACIFIST, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import CURIOUS, PACIFIST, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.feelings import feeling_for
-
-CURIOUS = 7  # row of curiosity in `table.py` and in `minds.fatigue`
 
 INTEREST = 0.6
 FOND = 0.2  # liking for the submarine with which any fish comes to it
@@ -64,7 +63,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         toward = minus(hull, vector(fishes.position[i]))
         near = norm(toward) - (WATCH_CM + 0.5 * fishes.length[i])
         if gap < THERE_BL * fishes.length[i] or near < 0.0:
-            set_urge(minds, i, toward)
+            steer(fishes, minds, i, toward)
             too_close = norm(toward) < CLOSE * (WATCH_CM + 0.5 * fishes.length[i])
             fishes.goal_speed[i] = BACKS_OFF if too_close else WATCHES
 

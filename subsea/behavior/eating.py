@@ -1,10 +1,15 @@
-"""Eating: predators hunt, others chase a speck of plankton and suck it in (Tu §7.8)."""
+"""Eating: predators hunt, others chase a speck of plankton and suck it in (Tu §7.8).
+
+A fish of an anemone stays about it. Where no speck drifts by, it picks copepods from the current
+above, as clownfishes do for most of their food (Fautin and Allen 1992). They are too small to draw.
+"""
 
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.grazing import feed
 from subsea.behavior.hunting import EAGER, hunt, is_chewing
 from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
@@ -13,9 +18,20 @@ from subsea.behavior.threat_memory import wariness
 from subsea.behavior.wandering import is_at_home, wander
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import ZERO, dot, minus, norm, vector
+from subsea.geometry.vector import ZERO, dot, minus, norm, plus, vector
 from subsea.kernels import kernel
-from subsea.state import EAT, HUNGER, PREDATOR, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import (
+    BATHES,
+    EAT,
+    HUNGER,
+    PREDATOR,
+    SUBMARINE,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
 from subsea.state.feelings import feel
 from subsea.state.wants import TEMPTING, is_tempted
 
@@ -26,9 +42,15 @@ OPEN_BL = 0.5  # distance of the speck at which the mouth begins to open
 SUCK_BL = 0.28  # reach of the suction ...
 SUCK_CM_S = 25.0  # ... and its speed
 SWALLOW_BL = 0.06  # distance at which a speck is in the mouth
+SNACK = 0.35  # of a meal, that a speck is to a fish that feeds on stone
 ABSENCE_S = (40.0, 90.0)  # until a speck that was eaten is replaced
 FED_CM, FED = 250.0, 0.12  # distance of a meal to the submarine, and the liking that it adds
-ABSENCE_PURPOSE = np.int64(60)  # key of the random numbers
+PICKS_S = 1.3  # from one copepod to the next
+PICKS_ASIDE_CM, PICKS_OVER_CM = 35.0, (12.0, 45.0)  # where they are, from the anemone
+DARTS = 0.45  # fastest speed of a fish that picks, share of the fastest
+COVERS = 5.0  # seconds of digestion that a second of picking covers
+ABSENCE_PURPOSE = np.int64(60)  # keys of the random numbers
+PICKS_PURPOSE = np.int64(168)
 
 
 @kernel
@@ -51,7 +73,7 @@ def desire(
         if near and not tempted and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)
-        food = near or (bites and is_at_home(minds, i, vector(sea.hook)))
+        food = near or picks(minds, i) or (bites and is_at_home(minds, i, vector(sea.hook)))
         # Wary fishes stop feeding before they flee, except of the submarine that feeds them.
         if not (tempted and minds.predator[i] == SUBMARINE):
             least += (1.0 - least) * wariness(minds, i, nature)
@@ -87,10 +109,36 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             continue
         k = minds.target[i]
         if k < 0 or sea.absent[k] > 0.0 or not is_at_home(minds, i, vector(sea.plankton[k])):
-            wander(fishes, minds, i, sea, clock)
+            if picks(minds, i):
+                _pick(fishes, minds, i, sea, clock)
+            else:
+                wander(fishes, minds, i, sea, clock)
             continue
         distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)
         fishes.gape[i] = _gape_at(distance / fishes.length[i])
+
+
+@kernel
+def picks(minds: Minds, i: int) -> bool:
+    """True if fish i picks small plankton above its anemone."""
+    return bool(minds.ways[i] & BATHES and minds.cover[i] >= 0)
+
+
+@kernel
+def _pick(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
+    """Dart to one copepod after the other above the anemone of fish i."""
+    now = clock.tick * clock.dt
+    turn = np.int64(now / PICKS_S + float(fishes.identity[i]))
+    angle = 2.0 * np.pi * uniform(clock.seed, i, turn, PICKS_PURPOSE)
+    share = uniform(clock.seed, i, turn + (1 << 40), PICKS_PURPOSE)
+    low, high = PICKS_OVER_CM
+    aside = PICKS_ASIDE_CM * np.sqrt(share)
+    off = (aside * np.cos(angle), aside * np.sin(angle), low + (high - low) * (1.0 - share))
+    distance = chase(fishes, minds, i, plus(vector(sea.site_place[minds.cover[i]]), off), ZERO)
+    fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(DARTS))
+    fishes.gape[i] = _gape_at(distance / fishes.length[i])
+    feed(minds, i, COVERS * float(minds.pause[i] * minds.digestion[i] * minds.appetite[i]), now)
+    minds.fatigue[EAT, i] = 0.0
 
 
 @kernel
@@ -137,7 +185,7 @@ def ingest(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             low, high = ABSENCE_S
             share = uniform(clock.seed, np.int64(k), clock.tick, ABSENCE_PURPOSE)
             sea.absent[k] = low + (high - low) * share
-            minds.eaten[i] += 1.0
+            minds.eaten[i] += SNACK if minds.diet[i] else 1.0
             minds.last_meal[i] = clock.tick * clock.dt
             minds.fatigue[EAT, i] = 0.0
             minds.target[i] = -1

@@ -26,6 +26,7 @@ class Behavior(NamedTuple):
     desires: tuple[tuple[int, Desire], ...]
     tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
     in_turn: bool = False  # True if the routine reads what it writes for others: never cut up
+    seeks: bool = False  # True if only a desire has an object: a fish that lost its own wanders
 
 
 # Share of the present desire's strength that its rivals lose: after it was resumed (Tu §7.7.2),

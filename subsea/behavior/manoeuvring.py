@@ -60,7 +60,7 @@ def bend(fishes: Fishes, minds: Minds, i: int, toward: Vector, turn: float) -> N
     """Set the urge to turn left by `turn` rad, and to climb or dive along `toward`."""
     level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
     course = heading_of(fishes, i) + turn
-    set_urge(minds, i, (level * np.cos(course), level * np.sin(course), toward[2]))
+    set_urge(minds, i, (level * np.cos(course), level * np.sin(course), 1.0 * toward[2]))
 
 
 @kernel

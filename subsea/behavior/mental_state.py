@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
-from subsea.behavior.curious import CURIOUS, SHY_S
+from subsea.behavior.curious import SHY_S
 from subsea.behavior.death import forget
 from subsea.behavior.threat_memory import felt_fear, grow_used
 from subsea.fish.character import draw_character
@@ -18,6 +18,7 @@ from subsea.fish.species import Species
 from subsea.kernels import kernel
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import (
+    CURIOUS,
     FEAR,
     HUNGER,
     KINDS,

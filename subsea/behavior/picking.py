@@ -68,7 +68,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if part >= SNAPS:
             fishes.gape[i] = 1.0
             if part - minds.pause[i] / PECK_S < SNAPS:
-                feed(minds, i, COVERS_S, now)
+                covers = COVERS_S * float(minds.digestion[i] * minds.appetite[i])
+                feed(minds, i, covers, now)
 
 
 @kernel

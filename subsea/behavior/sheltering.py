@@ -7,8 +7,8 @@ fit (Mariscal 1970).
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.chasing import burst, chase, mouth_of, set_urge
-from subsea.behavior.wandering import wander
+from subsea.behavior.chasing import chase, mouth_of, set_urge
+from subsea.behavior.manoeuvring import careful, steer
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
@@ -22,7 +22,11 @@ NEAR_BL, NEAR_CM = 3.0, 60.0  # distance at which it goes in: the larger of both
 DOOR_CM, DOOR_COS = 25.0, 0.3  # the door of a crevice, and who is before it
 STAYS_BL, LOSES_S = 1.5, 20.0  # in its cover at last; time after which it tries another one
 INSIDE_BL = 0.6  # distance within which it is in its cover
-HOVERS, SETTLES = 0.03, 0.25  # shares of the fastest speed inside and at the door
+HOVERS, SETTLES, ENTERS = (
+    0.03,
+    0.25,
+    0.6,
+)  # shares of the fastest speed: inside, at the door, before
 BATHING = 0.4  # desire of a clownfish to bathe
 CYCLE_S = (70.0, 110.0)  # from bath to bath, by identity ...
 SHARE = 0.22  # ... and the share of it that is spent in the anemone
@@ -56,9 +60,6 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """Dive to the cover and hover in it."""
     for i in who:
         s = minds.cover[i]
-        if s < 0:
-            wander(fishes, minds, i, sea, clock)
-            continue
         place = vector(sea.site_place[s])
         toward = minus(place, vector(fishes.position[i]))
         far, length = norm(toward), float(fishes.length[i])
@@ -71,18 +72,16 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             # Into a crevice by its open side, into a coral from anywhere.
             door = 0.0 if sea.site_growth[s] >= 0 else DOOR_CM + float(sea.site_depth[s])
             chase(fishes, minds, i, plus(place, times(door, normal)), ZERO)
-            if minds.wary[i] > 0.0:
-                burst(fishes, minds, i)
             continue
         fishes.close[i], fishes.shell[i] = True, sea.site_depth[s] + SLACK_CM
         if far > INSIDE_BL * length:
-            set_urge(minds, i, toward)
-            fishes.goal_speed[i] = max(SETTLES, min(far / (NEAR_BL * length), 1.0))
+            quick = max(SETTLES, min(far / (NEAR_BL * length), ENTERS))
+            fishes.goal_speed[i] = careful(steer(fishes, minds, i, toward)) * quick
         else:
             # It looks out, with its back to the stone.
             ahead = x_axis(fishes.orientation[i])
             out = plus((0.5 * ahead[0], 0.5 * ahead[1], 0.0), (normal[0], normal[1], 0.0))
-            set_urge(minds, i, out if norm(out) > 1e-3 else ahead)
+            steer(fishes, minds, i, out if norm(out) > 1e-3 else ahead)
             fishes.goal_speed[i] = HOVERS
 
 
@@ -107,9 +106,6 @@ def bathe(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     now = clock.tick * clock.dt
     for i in who:
         s = minds.cover[i]
-        if s < 0:
-            wander(fishes, minds, i, sea, clock)
-            continue
         length, own = float(fishes.length[i]), float(fishes.identity[i])
         spot = plus(vector(sea.site_place[s]), _swayed(now, own, length))
         toward = minus(spot, mouth_of(fishes, i))

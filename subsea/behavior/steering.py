@@ -27,18 +27,19 @@ from subsea.state import (
     Minds,
     Sea,
 )
+from subsea.state.habits import keeps_low
 
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
 ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: lengths at rest, and s of its motion
 BODY_BL = 0.45  # farthest part of a body from its middle
 BOLD = 0.4  # share of that room for a hunter, which follows its prey between stones, ...
-# ... and for a fish that keeps to the ground, which is among stones all the time.
+# ... and for a fish that keeps to the ground or lives on stone, which is among it all the time.
 CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
 CORNERED = 0.1  # part of a unit urge; in a corner a solid turns more toward the wall
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, except of the intentions STEEP
 STEEP = (ESCAPE, EAT, MATE, GRAZE, BATHE, SHELTER, POSE, CLEAN)
-LEAVES_CM_S = 20.0  # how fast a fish that has fed leaves the shell of free water around stone
+LEAVES_CM_S = 12.5  # how fast a fish that has fed leaves the shell of free water around stone
 SLOPE_CM = 20.0  # baseline of the seabed's slope
 
 
@@ -68,7 +69,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         # Large fishes turn more slowly, and fast ones on a wider circle.
         room = ROOM_BL * length + ROOM_S * norm(vector(fishes.velocity[i])) / fishes.rate[i]
         hunts = minds.kind[i] == PREDATOR and minds.intention[i] == EAT
-        if hunts or minds.cruise_height[i, 0] < np.inf:
+        if hunts or keeps_low(minds, i):
             room *= BOLD
         farthest = norm(minus(snout, here)) + length
         near = rocks[: _rocks_near(here, reach + room + farthest, sea, rocks)]

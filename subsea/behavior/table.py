@@ -28,11 +28,11 @@ from subsea.behavior import (
 )
 from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Desire
 from subsea.kernels.threads import share
-from subsea.state import Clock, Fishes, Minds, Nature, Sea
+from subsea.state import WANDER, Clock, Fishes, Minds, Nature, Sea
 
 LEAST_PART = 1024  # fishes of an intention for which another thread pays
 
-# The first seven in the order of the codes AVOID to WANDER of `state`.
+# In the order of the codes AVOID to CURIOUS and GRAZE to CLEAN of `state`.
 OURS = (
     Behavior("avoid", avoiding.act, ((COLLISION, avoiding.desire),), in_turn=True),
     Behavior("escape", escaping.act, ((DANGER, escaping.desire),)),
@@ -47,17 +47,19 @@ OURS = (
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
+    Behavior("graze", grazing.act, ((APPETITE, grazing.desire),), tires=True, seeks=True),
+    Behavior("bathe", sheltering.bathe, ((EASE, sheltering.bathing_desire),), seeks=True),
     Behavior(
-        "graze",
-        grazing.act,
-        ((APPETITE, grazing.desire), (EASE, grazing.browsing_desire)),
+        "guard",
+        territory.act,
+        ((APPETITE, territory.desire),),
         tires=True,
+        in_turn=True,
+        seeks=True,
     ),
-    Behavior("bathe", sheltering.bathe, ((EASE, sheltering.bathing_desire),)),
-    Behavior("guard", territory.act, ((APPETITE, territory.desire),), tires=True, in_turn=True),
-    Behavior("yield", territory.give_way, ((DANGER, territory.yielding_desire),)),
-    Behavior("shelter", sheltering.act, ((DANGER, sheltering.desire),)),
-    Behavior("pose", cleaning.pose, ((EASE, cleaning.posing_desire),), tires=True),
+    Behavior("yield", territory.give_way, ((DANGER, territory.yielding_desire),), seeks=True),
+    Behavior("shelter", sheltering.act, ((DANGER, sheltering.desire),), seeks=True),
+    Behavior("pose", cleaning.pose, ((EASE, cleaning.posing_desire),), tires=True, seeks=True),
     Behavior(
         "clean",
         cleaning.act,
@@ -105,6 +107,7 @@ DESIRES = desires_of(BEHAVIORS)
 LEVEL_OF_DESIRE = np.array([level for level, _, _ in DESIRES])
 BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
 TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
+SEEKS = np.array([behavior.seeks for behavior in BEHAVIORS])
 
 
 def compute_desires(
@@ -118,8 +121,16 @@ def compute_desires(
 def run_routines(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
-    """Let each of the fishes `who` follow its intention, one intention after the other."""
-    now = minds.intention[who]
+    """Let each of the fishes `who` follow its intention, one intention after the other.
+
+    A fish that seeks something and lost it wanders for as long as its intention lasts.
+    """
+    now = minds.intention[who].copy()
+    for code in np.flatnonzero(SEEKS):
+        seeks = np.flatnonzero(now == code)
+        if len(seeks):
+            wishes = minds.desire[code == BEHAVIOR_OF_DESIRE][:, who[seeks]]
+            now[seeks[(wishes <= 0.0).all(axis=0)]] = WANDER
     for code in np.flatnonzero(np.bincount(now)):
         behavior = BEHAVIORS[code]
         # Fishes of a routine that reads what it writes for others are one part.

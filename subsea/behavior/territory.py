@@ -7,7 +7,7 @@ The resident wins whatever their sizes are, as it does on reefs (Fricke 1974; My
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.chasing import burst, chase, set_urge
+from subsea.behavior.chasing import chase, set_urge
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import minus, norm, plus, times, vector
 from subsea.kernels import kernel
@@ -15,8 +15,8 @@ from subsea.state import GUARD, NO_COURTSHIP, NOBODY, Clock, Fishes, Minds, Natu
 
 ZEAL = 0.9  # desire to drive an intruder off
 DISPLAY_S = 1.2  # how long a resident only shows itself
-CHASES_S = 5.0  # how long it then chases
-RESTS = 4.0  # how many times as long as it guarded it then rests
+CHASES_S = 3.0  # how long it then chases
+RESTS = 15.0  # how many times as long as it guarded it then rests: displays are brief
 SHOWS = 0.06  # speed of one that does, share of the fastest
 NEAR_BL = 4.0  # distance, over the mean length, at which an intruder feels chased
 LEAVES_S = 3.0  # how long it then swims away ...
@@ -44,8 +44,6 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """Face the intruder with raised fins, then chase it. It writes whom the intruder flees from."""
     for i in who:
         j = minds.intruder[i]
-        if j == NOBODY:
-            continue
         minds.fatigue[GUARD, i] += (RESTS - 1.0) * minds.pause[i]
         here, there = vector(fishes.position[i]), vector(fishes.position[j])
         toward = minus(there, here)
@@ -54,7 +52,6 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             fishes.goal_speed[i] = SHOWS
             continue
         chase(fishes, minds, i, there, vector(fishes.velocity[j]))
-        burst(fishes, minds, i)
         mean = 0.5 * float(fishes.length[i] + fishes.length[j])
         if norm(toward) < NEAR_BL * mean:
             minds.chaser[j], minds.chased[j] = i, LEAVES_S + REMEMBERS_S
@@ -80,8 +77,6 @@ def give_way(
     """Swim away from the resident and its home."""
     for i in who:
         j = minds.chaser[i]
-        if j == NOBODY:
-            continue
         here = vector(fishes.position[i])
         from_home = minus(here, vector(minds.home[j]))
         from_it = minus(here, vector(fishes.position[j]))
@@ -90,6 +85,4 @@ def give_way(
             times(1.0 / max(norm(from_it), 1.0), from_it),
         )
         set_urge(minds, i, away if norm(away) > 1e-3 else x_axis(fishes.orientation[i]))
-        fishes.goal_speed[i] = FLEES
-        if norm(from_it) < HURRIES_BL * fishes.length[i]:
-            burst(fishes, minds, i)
+        fishes.goal_speed[i] = 1.0 if norm(from_it) < HURRIES_BL * fishes.length[i] else FLEES

@@ -13,6 +13,7 @@ from subsea.state import (
     BAIT,
     BATHE,
     CLEAN,
+    CURIOUS,
     EAT,
     ESCAPE,
     GRAZE,
@@ -40,7 +41,7 @@ from subsea.state import (
 from subsea.world.world import TICK_S, World
 
 FOOD = {TURF: "turf", POLYPS: "coral polyps", SPONGES: "a sponge", RUBBLE: "prey in rubble"}
-CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
+STRUGGLE = INTENTIONS.index("struggle")
 SHUN, STAY = INTENTIONS.index("shun"), INTENTIONS.index("stay")
 VIGILANT = INTENTIONS.index("watch"), INTENTIONS.index("inspect")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}

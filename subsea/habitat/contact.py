@@ -5,6 +5,7 @@ one stone into another, slides along what it touches.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -157,7 +158,9 @@ def _between(
 TOUCH_CM, TOUCH_BL = 3.0, 0.06  # gap of a touching body, with room for its bends
 GRAZING_CM = 0.3  # gap of a body that feeds or hides at a surface ...
 DRAWN_CM = 1.5  # ... and in the shell around stone, from the drawn stone
-OUT_PER_S = 6.0  # outward speed per cm of a gap that is too small
+OUT_PER_S = 6.0  # outward speed per cm of a gap that is too small, and inward per cm of one more
+GENTLE_CM_S = 8.0  # fastest outward speed of a body that is near a barrier, but not beyond it
+BRAKES_CM = 20.0  # farthest from the gap that a body keeps at which it brakes
 SLOPE_CM = 10.0  # baseline of the slope of the seabed
 PASSES = 2  # over the barriers, so that in a corner neither undoes the other
 
@@ -167,16 +170,17 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
     """Add to the drift of the fishes `who` what keeps snout, middle and tail in free water.
 
     `own` (n, 3) is the velocity of each fish through the water, cm/s. A part that would be too
-    near after `dt` s loses its speed toward the barrier and is pushed off. A fish on the hook is
-    not kept under the surface.
+    near after `dt` s is pushed off. Before, it loses its speed toward the barrier the more, the
+    nearer it is, so that no fish stops with a jerk. A fish on the hook is not kept under the
+    surface.
     """
     for i in who:
         if not fishes.alive[i] or i == sea.catch[1]:
             continue
         middle, length = vector(fishes.position[i]), float(fishes.length[i])
         speed = norm(plus(vector(own[i]), vector(fishes.drift[i])))
-        touch = _touch(fishes, i)
-        reach = length + touch + speed * dt
+        near = Nearness(_touch(fishes, i), min(speed / OUT_PER_S, BRAKES_CM), 2.0 * _room(length))
+        reach = length + near.touch + near.brakes + speed * dt
         ahead, snout = x_axis(fishes.orientation[i]), float(fishes.snout[i])
         rim = math.sqrt(middle[0] * middle[0] + middle[1] * middle[1])
         above, below = middle[2] + reach, middle[2] - reach
@@ -184,57 +188,75 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
         for _ in range(0 if inside else PASSES):
             for half in range(3):
                 part = plus(middle, times(snout - 0.5 * half * length, ahead))
-                _keep_inside(fishes.drift[i], part, own[i], sea, touch, dt)
+                _keep_inside(fishes.drift[i], part, own[i], sea, near, dt)
         if fishes.shell[i] > 0.0:
             _keep_off_drawn(fishes, i, sea, own[i], dt)
         for k in range(len(sea.pillars)):
             if from_pillar(sea.pillars[k], middle)[1] < reach:
-                _keep_off(fishes, i, sea.pillars[k], own[i], dt)
+                _keep_off(fishes, i, sea.pillars[k], own[i], near, dt)
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, reach):
-                _keep_off(fishes, i, sea.rocks[k], own[i], dt)
+                _keep_off(fishes, i, sea.rocks[k], own[i], near, dt)
+
+
+class Nearness(NamedTuple):
+    """Gaps of a body to barriers, cm."""
+
+    touch: float  # that it keeps
+    brakes: float  # more than this, at which it brakes
+    deepest: float  # by which a gap may be too small and still count
+
+
+@kernel
+def _room(length: float) -> float:
+    """Gap, cm, that a body of `length` cm keeps."""
+    return TOUCH_CM + TOUCH_BL * length
 
 
 @kernel
 def _touch(fishes: Fishes, i: int) -> float:
     """Gap, cm, to barriers that fish i keeps: little while it feeds or hides at one."""
-    return GRAZING_CM if fishes.close[i] else TOUCH_CM + TOUCH_BL * float(fishes.length[i])
+    return GRAZING_CM if fishes.close[i] else _room(float(fishes.length[i]))
 
 
 @kernel
-def _keep_inside(drift: Array, part: Vector, own: Array, sea: Sea, touch: float, dt: float) -> None:
+def _keep_inside(
+    drift: Array, part: Vector, own: Array, sea: Sea, near: Nearness, dt: float
+) -> None:
     """Keep a part of a body within wall, surface and seabed."""
+    felt = near.touch + near.brakes
     later = _later(part, own, drift, dt)
     away = math.sqrt(later[0] * later[0] + later[1] * later[1])
-    if sea.radius - away < touch:
+    if sea.radius - away < felt:
         inward = (-later[0] / away, -later[1] / away, 0.0)
         now = sea.radius - math.sqrt(part[0] * part[0] + part[1] * part[1])
-        _push(drift, inward, now, sea.radius - away, touch, dt)
-    if -later[2] < touch:
-        _push(drift, (0.0, 0.0, -1.0), -part[2], -later[2], touch, dt)
-    if later[2] - touch < sea.crest:
+        _push(drift, inward, now, sea.radius - away, near, dt)
+    if -later[2] < felt:
+        _push(drift, (0.0, 0.0, -1.0), -part[2], -later[2], near, dt)
+    if later[2] - felt < sea.crest:
         floor = height_at(sea.heights, sea.half_width, later[0], later[1])
-        if later[2] - floor < 2.0 * touch:
+        if later[2] - floor < felt + near.touch:
             east = height_at(sea.heights, sea.half_width, later[0] + SLOPE_CM, later[1])
             north = height_at(sea.heights, sea.half_width, later[0], later[1] + SLOPE_CM)
             slope = ((floor - east) / SLOPE_CM, (floor - north) / SLOPE_CM, 1.0)
             normal = times(1.0 / norm(slope), slope)
             below = height_at(sea.heights, sea.half_width, part[0], part[1])
             now, gap = (part[2] - below) * normal[2], (later[2] - floor) * normal[2]
-            _push(drift, normal, now, gap, touch, dt)
+            _push(drift, normal, now, gap, near, dt)
 
 
 @kernel
-def _keep_off(fishes: Fishes, i: int, solid: Array, own: Array, dt: float) -> None:
+def _keep_off(fishes: Fishes, i: int, solid: Array, own: Array, near: Nearness, dt: float) -> None:
     """Keep snout, middle and tail of fish i off a pillar (4,) or a rock (7,)."""
     middle, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
     snout, length = float(fishes.snout[i]), float(fishes.length[i])
     for half in range(3):
         part = plus(middle, times(snout - 0.5 * half * length, ahead))
         way, gap = _from_solid(solid, _later(part, own, fishes.drift[i], dt))
-        touch = _touch(fishes, i) - float(fishes.shell[i])
-        if gap < touch:
-            _push(fishes.drift[i], way, _from_solid(solid, part)[1], gap, touch, dt)
+        shell = float(fishes.shell[i])
+        if gap + shell < near.touch + near.brakes:
+            now = _from_solid(solid, part)[1] + shell
+            _push(fishes.drift[i], way, now, gap + shell, near, dt)
 
 
 @kernel
@@ -250,8 +272,10 @@ def _keep_off_drawn(fishes: Fishes, i: int, sea: Sea, own: Array, dt: float) -> 
             continue
         gap = drawn_distance(blocks, later)
         if gap < DRAWN_CM:
-            way = outward(blocks, later)[0]
-            _push(fishes.drift[i], way, drawn_distance(blocks, part), gap, DRAWN_CM, dt)
+            way, slope = outward(blocks, later)
+            steep, now = max(slope, 1.0), drawn_distance(blocks, part)
+            near = Nearness(DRAWN_CM, 0.0, DRAWN_CM)
+            _push(fishes.drift[i], way, now / steep, gap / steep, near, dt)
 
 
 @kernel
@@ -267,12 +291,13 @@ def _from_solid(solid: Array, p: Vector) -> tuple[Vector, float]:
 
 
 @kernel
-def _push(drift: Array, way: Vector, now: float, later: float, touch: float, dt: float) -> None:
+def _push(drift: Array, way: Vector, now: float, later: float, near: Nearness, dt: float) -> None:
     """Add a drift along `way` for a gap that would change from `now` to `later`, cm, in `dt` s.
 
-    It takes away the approach within `touch` cm, and widens a gap that is too small.
+    It slows the approach to the gap that a body keeps, and widens one that is too small.
     """
-    outward = OUT_PER_S * max(touch - max(now, -touch), 0.0)
-    speed = max(min(outward - (later - now) / dt, (touch - later) / dt), 0.0)
+    most = GENTLE_CM_S + OUT_PER_S * min(max(-now, 0.0), near.deepest)
+    least = min(OUT_PER_S * (near.touch - now), most)
+    speed = max(least - (later - now) / dt, 0.0)
     for axis in range(3):
         drift[axis] += np.float32(speed * way[axis])

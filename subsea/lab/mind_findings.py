@@ -10,14 +10,8 @@ LEAST_S = 60.0  # fish-seconds of a species whose time budget is compared
 ACTIVE = tuple(name for name in PURPOSES if name != "rest")
 
 
-def mind_findings(
-    label: str, found: MindMeasures, table: MeasuredSwimming, directed: bool = False
-) -> Iterator[RangeCheck]:
-    """Compare bouts, fear and time budgets of the seas of one label with their ranges.
-
-    In a `directed` sea a direction makes fishes court. Then their time of courting is only listed:
-    the range is that of fishes that choose their hour.
-    """
+def mind_findings(label: str, found: MindMeasures, table: MeasuredSwimming) -> Iterator[RangeCheck]:
+    """Compare bouts, fear and time budgets of the seas of one label with their ranges."""
     facts, counts, fear = table.minds, found.bouts, found.fear
     whole, calm = int(counts.whole.sum()), int(counts.calm.sum())
     if whole:
@@ -35,27 +29,31 @@ def mind_findings(
         note = f"{len(fear.lasted)} times"
         name = "alarm after the last sight of a predator"
         yield published(label, name, lasted, " s", facts.alarm, note)
-    yield from _budgets(label, found, table, directed)
+    yield from _budgets(label, found, table)
 
 
-def _budgets(
-    label: str, found: MindMeasures, table: MeasuredSwimming, directed: bool
-) -> Iterator[RangeCheck]:
+def _budgets(label: str, found: MindMeasures, table: MeasuredSwimming) -> Iterator[RangeCheck]:
+    """Compare time budgets with those of a reef's day.
+
+    Where a key of the scenario imposes courtship, its time is not a fish's own choice, nor is the
+    time that is left to feed: neither has a range.
+    """
     facts = table.budget
     for species in sorted({species for species, _ in found.budget}):
         hours = {hour: spent for (one, hour), spent in found.budget.items() if one == species}
         if sum(sum(spent.values()) for spent in hours.values()) < LEAST_S:
             continue
         subject, shares = f"{label}: {species}", shares_of([*hours.values()])
-        if species not in found.hunters:
+        if species in found.courts:
+            note = "courtship is imposed"
+            yield RangeCheck(subject, "time feeding", shares["feeding"], note=note)
+            yield RangeCheck(subject, "time courting", shares["courting"], note=note)
+        elif species not in found.hunters:
             yield published(subject, "time feeding", shares["feeding"], "", facts.feeding)
         by_day = [spent for hour, spent in hours.items() if DAY_H[0] <= hour + 0.5 < DAY_H[1]]
-        if by_day and shares["courting"]:
-            name, courting = "time courting by day", shares_of(by_day)["courting"]
-            if directed:
-                yield RangeCheck(subject, name, courting, note="by direction")
-            else:
-                yield published(subject, name, courting, "", facts.courting)
+        if by_day and shares["courting"] and species not in found.courts:
+            courting = shares_of(by_day)["courting"]
+            yield published(subject, "time courting by day", courting, "", facts.courting)
         yield published(subject, "time avoiding", shares["avoiding"], "", facts.avoiding)
 
 

@@ -222,10 +222,16 @@ class MindMeasures(NamedTuple):
     fear: Fear
     budget: Budget
     hunters: frozenset[str]  # species of predators
+    courts: frozenset[str] = frozenset()  # species whose courtship the scenario imposes
 
 
-def mind_measures(record: Record, hour: Array) -> MindMeasures:
-    """Measure all minds of a record, whose ticks have the `hour` (T,) of the day."""
+def mind_measures(
+    record: Record, hour: Array, courts: frozenset[str] = frozenset()
+) -> MindMeasures:
+    """Measure all minds of a record, whose ticks have the `hour` (T,) of the day.
+
+    `courts` are the species whose courtship a key of the scenario imposes.
+    """
     hunters = {record.species_names[k] for k in record.species[record.kind == PREDATOR]}
     return MindMeasures(
         tuple(record.intention_names),
@@ -233,18 +239,20 @@ def mind_measures(record: Record, hour: Array) -> MindMeasures:
         fear(record),
         time_budgets(record, hour),
         frozenset(hunters),
+        courts,
     )
 
 
 def joined(parts: Sequence[MindMeasures]) -> MindMeasures:
     """Join the measures of several records with the same intentions."""
-    names, all_bouts, fears, budgets, hunters = zip(*parts, strict=True)
+    names, all_bouts, fears, budgets, hunters, courts = zip(*parts, strict=True)
     return MindMeasures(
         names[0],
         joined_bouts(all_bouts),
         joined_fear(fears),
         joined_budget(budgets),
         frozenset().union(*hunters),
+        frozenset().union(*courts),
     )
 
 

@@ -143,7 +143,7 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
     rushes: list[Hunts] = []
     thoughts: list[MindMeasures] = []
     places: dict[str, list[Whereabouts]] = {}
-    water = world.scenario.water
+    water, courts = world.scenario.water, imposed_courtship(world)
     for record in live_records(world, trial.ticks, BLOCK_FISH_TICKS):
         for name, found in swimming.swimming(record, slowest).items():
             swims.setdefault(keys.get(name, name), []).append(found)
@@ -153,7 +153,7 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
         if (record.kind == PREDATOR).any():
             rushes.append(hunting.hunts(record))
         hours = [hour_at(water.hour, water.day_minutes, float(second)) for second in record.time]
-        thoughts.append(minds.mind_measures(record, np.array(hours)))
+        thoughts.append(minds.mind_measures(record, np.array(hours), courts))
         for name, place in whereabouts.whereabouts(record).items():
             places.setdefault(keys.get(name, name), []).append(place)
     thinned = {name: _thinned(swimming.joined(parts)) for name, parts in swims.items()}
@@ -166,6 +166,21 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
         {name: whereabouts.joined(parts) for name, parts in places.items()},
         hunt_findings.joined(rushes) if rushes else None,
     )
+
+
+def imposed_courtship(world: World) -> frozenset[str]:
+    """Name the species that court by a key of the scenario: libido of a shoal, or a pair."""
+    keen, species = world.nature.keen, world.state.fishes.species
+    ends = np.cumsum(world.shoal_sizes)
+    fishes = [
+        fish
+        for shoal, end, number in zip(world.scenario.fish, ends, world.shoal_sizes, strict=True)
+        for fish in range(end - number, end)
+        if (shoal.libido or 0.0) > keen
+    ]
+    for direction in world.scenario.direction:
+        fishes += direction.pair if isinstance(direction.pair, tuple) else ()
+    return frozenset(world.species[species[fish]].name for fish in fishes)
 
 
 def slowest_strokes(world: World) -> Array:
@@ -249,7 +264,6 @@ def summarise(done: Done) -> Summary:
 def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     """Compare all quantities with their ranges."""
     found = summarise(done)
-    directed = {trial.label for trial, _ in done if _directs_courtship(trial.scenario)}
     rows = [
         row
         for name, one in found.swims.items()
@@ -264,15 +278,9 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     for label, rushes in found.rushes.items():
         rows.extend(hunt_findings.hunt_findings(label, rushes, table.predation, label == HUNT))
     for label, mind in found.minds.items():
-        rows.extend(mind_findings(label, mind, table, label in directed))
+        rows.extend(mind_findings(label, mind, table))
     rows.extend(_bounds(done))
     return rows
-
-
-def _directs_courtship(name: str) -> bool:
-    """True if a direction of the scenario makes fishes court, at any hour."""
-    directions = load_scenario(name).scenario.direction
-    return any(one.pair is not None or one.libido is not None for one in directions)
 
 
 def _swimming(

@@ -52,6 +52,7 @@ STEER_EASE = np.radians(90.0)  # rad/s², at the recorded pace: how fast that ra
 MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim ...
 BURST_PITCH_RAD = np.radians(38.0)  # ... in a burst ...
 ROW_PITCH_RAD = np.radians(65.0)  # ... and by their fins alone, which hold the body at any pitch
+TILTED = np.sin(np.radians(25.0))  # sine of the pitch of a fish that rows until it is level
 STEEP = np.cos(np.radians(60.0))  # level share of a goal's direction below which turns are smaller
 TEMPO_EASE = 1.2  # 1/s: how fast the tempo may change
 BURST_EASE = 15.0  # 1/s: likewise in a hurry, so that a fish bursts within 0.2 s
@@ -59,7 +60,7 @@ SLOWING = 2.0  # 1/s: likewise after a burst
 THRUST_EASE = 1.2  # 1/s: full thrust to hovering in less than a second
 RETREAT = -0.6  # least thrust: the fastest retreat, over the slow swim
 CSTART_TEMPO = 3.0  # the first stage takes less than 0.1 s
-TURN_TEMPO = (1.0, 2.0)  # range of the tempo in sharp turns
+TURN_TEMPO = (1.0, 1.4)  # range of the tempo in sharp turns
 ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it ...
 TAIL_SHARE = 0.7  # ... or above this share of the fast swim
 KEEP_ROWING = 1.15  # factor on that speed for a fish that rows: hysteresis
@@ -151,13 +152,16 @@ def _startle(fishes: Fishes, library: Library, i: int) -> None:
 
 @kernel
 def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) -> int:
-    """The swim for a speed, cm/s at the recorded size and pace."""
+    """The swim for a speed, cm/s at the recorded size and pace.
+
+    A fish with its nose down or up levels out by its fins before it beats its tail.
+    """
     kind, now = fishes.species[i], fishes.segment[i]
     own, has = library.speed[kind], library.has[kind]
     if has[ROW]:
         most = min(KEEP_ROWING * ROW_TEMPO * own[ROW], TAIL_SHARE * own[FAST])
         most /= 1.0 if BASE[now] == ROW else KEEP_ROWING
-        if speed < max(most, TEMPO[0] * own[SLOW]):
+        if speed < max(most, TEMPO[0] * own[SLOW]) or _is_tilted(fishes, i):
             return ROW
     elif has[COAST] and has[STOP] and fishes.ram[i] == 0.0 and speed < HOVER * own[SLOW]:
         return STOP
@@ -168,6 +172,13 @@ def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) 
     if now == STOP and has[START] and fishes.thrust[i] < MOVING:
         return START
     return _grade(own, has[BURST], now, speed)
+
+
+@kernel
+def _is_tilted(fishes: Fishes, i: int) -> bool:
+    """True if fish i rows with its nose down or up, and is in no hurry."""
+    rows = BASE[fishes.segment[i]] == ROW and fishes.goal_speed[i] <= HURRIED
+    return bool(rows and abs(x_axis(fishes.orientation[i])[2]) > TILTED)
 
 
 @kernel
@@ -217,7 +228,8 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
     """The turn toward `azimuth`, rad, or the swim if it leads there; sets `bend`.
 
     Bends of the gradual turn blend with the straight swim; a large angle takes a sharp turn, on
-    the spot one from rest, and in a glide one from a glide, where they were recorded.
+    the spot one from rest, and in a glide one from a glide, where they were recorded. All begin
+    level: a fish with its nose down turns by its fins.
     """
     kind, now = fishes.species[i], fishes.segment[i]
     has, angle = library.has[kind], abs(azimuth)
@@ -230,7 +242,8 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
             sharp = LEFT_REST + side
         elif has[LEFT_GLIDE]:
             sharp = LEFT_GLIDE + side
-    if angle > max(SHARP_SHARE * abs(library.turn[kind, sharp]), SHARP_RAD):
+    wide = angle > max(SHARP_SHARE * abs(library.turn[kind, sharp]), SHARP_RAD)
+    if wide and not (swim == ROW and _is_tilted(fishes, i)):
         return sharp
     base = swim if swim in (ROW, COAST) else MEDIUM
     if swim in (STOP, START) or (base != MEDIUM and not blends(library, kind, base)):

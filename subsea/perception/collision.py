@@ -23,6 +23,7 @@ from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
     AVOID,
+    BATHE,
     CLEAN,
     EAT,
     GRAZE,
@@ -32,6 +33,7 @@ from subsea.state import (
     PREDATOR,
     SCHOOL,
     SEABED,
+    SHELTER,
     SURFACE,
     WALL,
     Fishes,
@@ -39,11 +41,12 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.habits import keeps_low
 
 ANTENNA_BL = 1.0  # length of the ray that detects obstacles (Tu §6.6.1) ...
 ENLARGED = 1.5  # ... and factor on all sizes for fishes with recorded motion (SMC §6.2)
 BERTH_WIDTHS = 1.5  # widths of the body by which obstacles are enlarged
-LOW = 0.4  # factor on both for a fish that keeps to the ground, which has stones about it always
+LOW = 0.4  # factor on both for a fish of the ground or of stone, which has it about it always
 # The sensitivity region is a box around the body with a margin on all sides ...
 MARGIN_BL = 0.08
 SCHOOLING_BL = 0.02  # in formation (Tu §7.9.2)
@@ -166,9 +169,9 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
     margin, foresight, welcome = MARGIN_BL, FORESIGHT_S, int(NOBODY)
     if minds.courtship[i] > APPROACHING:
         margin, foresight, welcome = COURTING_BL, COURTING_S, int(minds.partner[i])
-    elif interrupted in (SCHOOL, PICK):
+    elif interrupted in (SCHOOL, PICK) or (interrupted == EAT and minds.schools[i]):
         margin, foresight = SCHOOLING_BL, SCHOOLING_S
-    elif interrupted in (GRAZE, POSE, CLEAN):
+    elif interrupted in (GRAZE, POSE, CLEAN, SHELTER, BATHE):
         # They tolerate neighbours, and the cleaner and its client touch.
         margin, foresight = SCHOOLING_BL, SCHOOLING_S
         if interrupted == POSE:
@@ -323,8 +326,9 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
     """Set `minds.barrier` of the fishes `who`: the nearest obstacle that a ray ahead meets.
 
     A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body. A flat body
-    enlarges seabed and surface by 1.5 times its height. A fish that keeps to the ground looks less
-    far and keeps a narrower berth. None for a fish that feeds or hides close to stone.
+    enlarges seabed and surface by 1.5 times its height. A fish that keeps to the ground or lives on
+    stone looks less far and keeps a narrower berth. None for a fish that feeds or hides close to
+    stone.
     """
     for i in who:
         if fishes.close[i]:
@@ -332,7 +336,7 @@ def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nat
             continue
         antenna = caution(minds, i, nature) * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
-        share = LOW if minds.cruise_height[i, 0] < np.inf else 1.0
+        share = LOW if keeps_low(minds, i) else 1.0
         minds.barrier[i] = nearest_barrier(
             fishes, i, sea, share * held * antenna, share * BERTH_WIDTHS
         )

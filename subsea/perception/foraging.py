@@ -14,6 +14,7 @@ from subsea.state import ESCAPE, HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
 from subsea.state.wants import TEMPTING
 
 PREY_CELL_CM = 100.0
+WALL_BL = 2.5  # distance of food from the wall, for fishes that turn in wide arcs
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
 STEEPEST = 0.34  # sine of the steepest way of a stalking predator, as in `motor/controller.py`
 WARNED_COST = 2.0  # factor on the cost of prey that it missed, and of prey that flees
@@ -35,8 +36,9 @@ def perceive_plankton(
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
     is the larger, smell alone decides. A fish that keeps to the ground minds only specks that are
-    no higher than it cruises. A pinch of `scattered` food from the submarine, which lies together,
-    is more than single specks: a fish that it tempts minds nothing else.
+    no higher than it cruises, and those that leave it room to turn before the wall. A pinch of
+    `scattered` food from the submarine, which lies together, is more than single specks: a fish
+    that it tempts minds nothing else.
     """
     gaps = np.empty(minds.foods.shape[1])
     for i in who:
@@ -47,28 +49,33 @@ def perceive_plankton(
         foods[:] = -1
         if len(scattered.member) > 0 and minds.mental[i, HUNGER] > TEMPTING * nature.keen:
             nearest(scattered, mouth, nature.smell_cm, -1, foods, gaps, nature.smell_cm)
-            _forget_high(minds, i, sea, gaps)
+            _forget_unfit(fishes, minds, i, sea, gaps)
             if foods[0] >= 0:
                 away = minus(vector(sea.plankton[foods[0]]), vector(minds.home[i]))
                 foods[0] = foods[0] if norm(away) <= minds.home_range[i] else -1
         if foods[0] < 0:
             nearest(specks, mouth, nature.smell_cm, -1, foods, gaps, guess)
-            _forget_high(minds, i, sea, gaps)
+            _forget_unfit(fishes, minds, i, sea, gaps)
         minds.food[i] = foods[0]
         minds.food_distance[i] = gaps[0]
 
 
 @kernel
-def _forget_high(minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
-    """Remove specks from the food of fish i, and their `gaps`, that are higher than it cruises."""
+def _forget_unfit(fishes: Fishes, minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
+    """Remove specks from the food of fish i, and their `gaps`, that it cannot reach with ease.
+
+    They are higher than it cruises, or nearer to the wall than it turns.
+    """
     kept, foods = 0, minds.foods[i]
     if minds.cruise_height[i, 1] == np.inf:
         return
+    edge = sea.radius - WALL_BL * float(fishes.length[i])
     for k in range(len(foods)):
         if foods[k] < 0:
             continue
         x, y, z = vector(sea.plankton[foods[k]])
-        if z - height_at(sea.floor, sea.half_width, x, y) <= minds.cruise_height[i, 1]:
+        low = z - height_at(sea.floor, sea.half_width, x, y) <= minds.cruise_height[i, 1]
+        if low and x * x + y * y < edge * edge:
             foods[kept], gaps[kept] = foods[k], gaps[k]
             kept += 1
     foods[kept:] = -1

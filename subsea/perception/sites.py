@@ -21,6 +21,7 @@ from subsea.state import (
     CLEANS,
     COVER,
     FOODS,
+    GRAZE,
     HIDES,
     HUNGER,
     NO_COURTSHIP,
@@ -51,9 +52,7 @@ TURN = 0.6  # share by which the way to a place straight behind is longer
 SHUNS = 1.5  # radii of a territory within which a fish that was chased off does not feed
 FACING = 0.1  # least cosine between the way to a fish and the normal of a surface that it sees
 CHANCE_CM = 25.0  # by which the choice of a place varies
-STILL_HUNGRY = 0.3  # share of `keen` at which a feeding fish is full
-CYCLE_S = (40.0, 70.0)  # in which a fish browses, by its identity ...
-BROWSING = 0.1  # ... for this share: with meals, fishes feed for about a third of the day
+FULL_UP = 0.35  # share of `keen` at which a feeding fish is full; it feeds again from `keen` on
 STATION_CM, CLEANER_CM = 180.0, 500.0  # around a station; from which a client sees a cleaner
 GLASS_CM, AMIABLE = 350.0, 0.1  # distance of a hull that a cleaner visits, and its liking
 AWAY_CM = 300.0  # distance of a cleaner from its station at which it has no clients
@@ -65,7 +64,7 @@ DUSK, SMALL_CM = (0.08, 0.3), 12.0  # daylight at which large and small fishes r
 LARGE_CM = 80.0  # a longer fish casts a shadow that frightens
 OUTSIZED = 3.0  # ... if it is as many times longer than the fish below
 HULL_HALF_CM = 110.0  # half the length of the submarine
-SHADOW_CM = 500.0  # height from which a shadow frightens
+SHADOW_CM = 300.0  # height from which a shadow frightens
 ADRIFT_CM_S = 10.0  # a slower thing does not
 STEEP = 0.6  # distance aside over the height within which a thing is overhead
 CHOICE_PURPOSE, COVER_PURPOSE = np.int64(120), np.int64(123)  # keys of the random numbers
@@ -167,13 +166,15 @@ def _see_food(
 ) -> None:  # fmt: skip
     """Keep the place where fish i feeds, or choose another one in sight.
 
-    It lies where the fish likes light and warmth. A fish that courts, or neither is hungry nor
-    browses, has none; nor has one that food from the submarine tempts.
+    It lies where the fish likes light and warmth. A fish that courts or is not hungry has none;
+    nor has one that food from the submarine tempts. Hunger begins a meal above `keen`, and ends it
+    when the fish is full.
     """
     busy = minds.courtship[i] != NO_COURTSHIP or minds.betrothed[i] != NOBODY
     busy = busy or is_tempted(minds, i, sea, nature)
-    feeds = minds.mental[i, HUNGER] > STILL_HUNGRY * nature.keen or browses(fishes, i, clock)
-    if busy or minds.errand[i] > 0.0 or not feeds:
+    eats = minds.intention[i] == GRAZE or minds.memory[i] == GRAZE
+    full = minds.mental[i, HUNGER] <= nature.keen * (FULL_UP if eats else 1.0)
+    if busy or minds.errand[i] > 0.0 or full:
         minds.site[i] = -1
         return
     if minds.site[i] >= 0 and sea.stock[minds.site[i]] > LEAST_STOCK:
@@ -211,15 +212,6 @@ def _see_food(
             if gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, above):
                 best, least = s, cost
     minds.site[i] = best
-
-
-@kernel
-def browses(fishes: Fishes, i: int, clock: Clock) -> bool:
-    """True in the part of its own cycle in which fish i feeds even if it is hardly hungry."""
-    low, high = CYCLE_S
-    own = float(fishes.identity[i])
-    cycle = clock.tick * clock.dt / (low + (high - low) * own) + 5.0 * own
-    return bool(cycle % 1.0 < BROWSING)
 
 
 @kernel

@@ -14,7 +14,7 @@ KINDS = ("pacifist", "prey", "predator")  # Tu §7.9
 PACIFIST, PREY, PREDATOR = range(3)
 
 # Intentions (Tu fig. 7.4); `behavior/table.py` has the behavior of each.
-AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER = range(7)
+AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER, CURIOUS = range(8)
 # Those of a life on stone are rows of the same table.
 GRAZE, BATHE, GUARD, YIELD, SHELTER, POSE, CLEAN = range(9, 16)
 PICK = 20  # of plankton, in a school

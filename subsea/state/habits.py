@@ -1,4 +1,4 @@
-"""Habits of light and warmth of a fish, and the range of both in a sea (Tu §7.3)."""
+"""Habits of light, warmth and ground of a fish, and the ranges of a sea (Tu §7.3)."""
 
 import numpy as np
 
@@ -68,3 +68,9 @@ def depth_of_light(share: float, climate: Array) -> float:
 def is_pleasant(minds: Minds, i: int, z: float) -> bool:
     """True if fish i likes light and warmth at the height z, cm; see `perception/comfort.py`."""
     return bool(minds.comfort[i, 0] <= -z <= minds.comfort[i, 1])
+
+
+@kernel
+def keeps_low(minds: Minds, i: int) -> bool:
+    """True if fish i keeps to the ground or lives on stone: it has them about it all the time."""
+    return bool(minds.cruise_height[i, 0] < np.inf or minds.ways[i] != 0)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.behavior.cleaning import BEGINS
 from subsea.behavior.mental_state import (
     apply_individual,
     character_of,
@@ -179,7 +180,7 @@ def set_ways(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Ree
     minds.diet[:], minds.ways[:] = np.array(diets)[fishes.species], np.array(ways)[fishes.species]
     radii = np.array([plan.territory_cm or 0.0 for plan in plans])[fishes.species]
     minds.territory[:] = np.where(np.isfinite(minds.home_range), radii, 0.0)
-    minds.itch[:] = fishes.identity
+    minds.itch[:] = BEGINS * fishes.identity
     _give_stations(minds, fishes, reef)
 
 

@@ -52,6 +52,7 @@ from subsea.perception.smell import smell
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
+from subsea.world.shell import keep_off_drawn
 from subsea.world.world import TICK_S, World
 
 
@@ -75,6 +76,7 @@ def play_back(who: Ints, fishes: Fishes, library: Library, sea: Sea, dt: float) 
     """Advance bodies and fins of the fishes `who` by one tick, within the free water."""
     play(who, fishes, library, dt)
     contain(who, fishes, library.nodes, sea, dt)
+    keep_off_drawn(who, fishes, library.nodes, sea, dt)
     flap(who, fishes, library, dt)
 
 
@@ -217,6 +219,7 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     release_catches(world.state.odour, fishes.position[before & ~fishes.alive])
     biting.bite(fishes, minds, sea, clock)
     if len(sea.stock):
+        grazing.hold(fishes, minds, sea)
         grazing.bite(fishes, minds, sea, clock)
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, sea, clock)
 

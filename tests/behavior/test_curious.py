@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from subsea.behavior import curious
-from subsea.behavior.curious import CURIOUS, FORGETS, FRESH_S, SATED_S, WATCH_CM, place_before
+from subsea.behavior.curious import FORGETS, FRESH_S, SATED_S, WATCH_CM, place_before
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
-from subsea.state import PREY, WANDER
+from subsea.state import CURIOUS, PREY, WANDER
 
 
 def _tank(tank, n=1, away=200.0):

@@ -77,7 +77,7 @@ def test_a_resident_shows_itself_before_it_chases(tank):
     assert t.minds.chaser[1] == NOBODY
     t.minds.held[0] = 1.1 * territory.DISPLAY_S
     t.run(territory.act, 0)
-    assert t.fishes.goal_speed[0] > 1.0
+    assert t.fishes.goal_speed[0] == pytest.approx(1.0)  # and no burst
     assert t.minds.urge[0, 0] > 0.0
     assert t.minds.chaser[1] == 0
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.geometry.vector import vector
-from subsea.habitat.contact import TOUCH_BL, TOUCH_CM, clearance, keep_in_free_water
+from subsea.habitat.contact import OUT_PER_S, TOUCH_BL, TOUCH_CM, clearance, keep_in_free_water
 from tests.support.scenes import everyone
 
 DT = 0.033
@@ -45,16 +45,17 @@ def test_nobody_gets_out_of_bounds(tank, way):
 
 
 def test_a_barrier_is_felt_only_near_by_and_only_by_its_part(tank):
-    """The push takes away the approach, and no more in open water."""
+    """The push takes away the approach, a part of it while the body brakes, and none before."""
     t = tank(1)
     wall = t.sea.radius
-    for gap, felt in ((TOUCH + 3.0, False), (TOUCH - 0.01, True)):
+    brakes = 61.0 / OUT_PER_S
+    for gap, kept in ((TOUCH + brakes + 3.0, 60.0), (TOUCH + 5.0, 5.0 * OUT_PER_S), (TOUCH, 0.0)):
         t.fishes.position[0] = wall - gap - 7.0, 0.0, -300.0
         t.fishes.drift[:] = 0.0
         keep_in_free_water(
             everyone(t.fishes), t.fishes, t.sea, np.array([[60.0, 5.0, 0.0]], np.float32), DT
         )
-        assert t.fishes.drift[0, 0] == pytest.approx(-60.0 if felt else 0.0, abs=0.2)
+        assert 60.0 + t.fishes.drift[0, 0] == pytest.approx(kept, abs=0.2)
         assert t.fishes.drift[0, 1] == pytest.approx(0.0, abs=0.1)
 
 

@@ -203,13 +203,12 @@ def test_courting_counts_by_day_only():
     assert [name in found for found in quantities] == [False, True, True, False, False]
 
 
-def test_courting_by_direction_is_only_listed():
+def test_imposed_courtship_is_only_listed():
     """The pair of the rendezvous courts in the morning because the scene says so."""
-    runs = done(mind=a_mind(spent={"mate": 70.0, "eat": 30.0}))
-    for scenario, verdict in (("preying", FAIL), ("rendezvous", NO_RANGE)):
-        trial = runs[0][0]._replace(scenario=scenario)
-        (row,) = [one for one in findings([(trial, runs[0][1])], load_measured())
-                  if one.quantity == "time courting by day"]  # fmt: skip
+    mind = a_mind(spent={"mate": 70.0, "eat": 30.0})
+    for courts, verdict in ((frozenset(), FAIL), (frozenset({"Fish"}), NO_RANGE)):
+        rows = findings(done(mind=mind._replace(courts=courts)), load_measured())
+        (row,) = [one for one in rows if one.quantity.startswith("time courting")]
         assert row.verdict == verdict
 
 

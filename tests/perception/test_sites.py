@@ -5,8 +5,8 @@ import pytest
 
 from subsea.perception.sites import (
     FOOD_CM,
+    FULL_UP,
     LEAST_STOCK,
-    browses,
     grids_of,
     reefers_of,
     rests,
@@ -14,9 +14,11 @@ from subsea.perception.sites import (
 )
 from subsea.state import (
     ANEMONE,
+    AVOID,
     BATHES,
     CLEANS,
     COVER,
+    GRAZE,
     HIDES,
     HUNGER,
     NOBODY,
@@ -24,7 +26,7 @@ from subsea.state import (
     POSE,
     SUBMARINE,
     TURF,
-    Clock,
+    WANDER,
 )
 from subsea.state.feelings import feel
 from subsea.state.wants import TEMPTING
@@ -74,14 +76,18 @@ def test_it_sees_no_food_that_is_far_behind_a_rock_bare_or_on_the_far_side(tank)
     assert seen.minds.site[0] == 0
 
 
-def test_a_fish_that_is_full_looks_for_food_only_while_it_browses(tank):
+def test_a_meal_begins_with_hunger_and_ends_when_the_fish_is_full(tank):
     t = reef(tank, 1, (TURF, 60.0, 0.0, -340.0))
-    t.minds.mental[:] = 0.0
-    seen = set()
-    for tick in range(0, 3000, 50):
-        look(t.at(tick))
-        seen.add((browses(t.fishes, 0, Clock(1, tick, t.clock.dt)), int(t.minds.site[0]) >= 0))
-    assert seen == {(True, True), (False, False)}
+    keen, seen = t.nature.keen, []
+    for share in (0.5, 0.9, 1.1, 0.9, 0.5, 0.9 * FULL_UP, 0.5, 0.9):
+        t.minds.mental[:, HUNGER] = share * keen
+        look(t)
+        seen.append(bool(t.minds.site[0] >= 0))
+        t.minds.intention[:] = GRAZE if seen[-1] else WANDER
+    assert seen == [False, False, True, True, True, False, False, False]
+    t.minds.intention[:], t.minds.memory[:] = AVOID, GRAZE
+    look(t)
+    assert t.minds.site[0] == 0  # it was interrupted
 
 
 def test_it_does_not_feed_where_it_was_chased_off(tank):
@@ -105,7 +111,7 @@ def test_a_hungry_fish_leaves_stone_for_food_from_the_submarine(tank):
     t.sea.absent[1] = -20.0  # it was scattered; the other one drifts as ever
     look(t)
     assert t.minds.site.tolist() == [0, -1]
-    t.minds.mental[:, HUNGER] = 0.9 * TEMPTING * t.nature.keen
+    t.minds.mental[:, HUNGER], t.minds.intention[:] = 0.95 * TEMPTING * t.nature.keen, GRAZE
     look(t)
     assert t.minds.site.tolist() == [0, 0]
 
@@ -171,7 +177,7 @@ def test_cover_is_sought_under_a_moving_shadow(tank):
     look(t)
     assert t.minds.shadow[0] == 0.0
     assert t.minds.cover[0] == -1
-    t.sea.submarine[:3] = 40.0, 0.0, -150.0
+    t.sea.submarine[:3] = 40.0, 0.0, -180.0
     look(t)
     assert t.minds.shadow[0] == 0.0  # it lies still
     t.sea.submarine[3] = 60.0
