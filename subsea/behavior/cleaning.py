@@ -165,8 +165,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)
         c = i if at_glass else j
         minds.itch[c] = max(minds.itch[c] - np.float32(minds.pause[i] / CLEANED_S), np.float32(0.0))
-        covers = MEALS_S * float(minds.pause[i] * minds.digestion[i] * minds.appetite[i])
-        feed(minds, i, covers, now)
+        feed(minds, i, MEALS_S * float(minds.pause[i]), now)
         jolts = uniform(clock.seed, c, clock.tick, JOLT_PURPOSE) < minds.pause[i] / JOLT_S
         if jolts and not at_glass:
             minds.itch[c] = min(minds.itch[c], np.float32(0.5 * ITCH_ENDS))

@@ -137,7 +137,7 @@ def _pick(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     distance = chase(fishes, minds, i, plus(vector(sea.site_place[minds.cover[i]]), off), ZERO)
     fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(DARTS))
     fishes.gape[i] = _gape_at(distance / fishes.length[i])
-    feed(minds, i, COVERS * float(minds.pause[i] * minds.digestion[i] * minds.appetite[i]), now)
+    feed(minds, i, COVERS * float(minds.pause[i]), now)
     minds.fatigue[EAT, i] = 0.0
 
 

@@ -148,7 +148,7 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
         if gap > BITE_BL * fishes.length[i] or sea.stock[s] <= 0.0 or not fishes.alive[i]:
             continue
         sea.stock[s] = max(sea.stock[s] - np.float32(BITE), np.float32(0.0))
-        feed(minds, i, BITE_S * float(minds.digestion[i] * minds.appetite[i]), now)
+        feed(minds, i, BITE_S, now)
         minds.fatigue[GRAZE, i] = 0.0
         minds.peck[i] = _pause_of(fishes, i)
         if sea.stock[s] < BARE:
@@ -156,8 +156,9 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
 
 
 @kernel
-def feed(minds: Minds, i: int, meals: float, now: float) -> None:
-    """Give fish i a number of meals; what it has digested until `now` is settled."""
+def feed(minds: Minds, i: int, covers: float, now: float) -> None:
+    """Give fish i what it digests in `covers` s; what it has digested until `now` is settled."""
     left = max(1.0 - minds.digestion[i] * (now - minds.last_meal[i]), 0.0)
+    meals = covers * minds.digestion[i] * minds.appetite[i]
     minds.eaten[i] = min(minds.eaten[i] * left + meals, minds.appetite[i])
     minds.last_meal[i] = now

@@ -68,8 +68,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         if part >= SNAPS:
             fishes.gape[i] = 1.0
             if part - minds.pause[i] / PECK_S < SNAPS:
-                covers = COVERS_S * float(minds.digestion[i] * minds.appetite[i])
-                feed(minds, i, covers, now)
+                feed(minds, i, COVERS_S, now)
 
 
 @kernel

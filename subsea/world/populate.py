@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.behavior.cleaning import BEGINS
 from subsea.behavior.mental_state import (
     apply_individual,
     character_of,
@@ -36,6 +35,7 @@ from subsea.state import (
     Sea,
 )
 from subsea.state.school_rules import rule_row
+from subsea.state.wants import ITCH_BEGINS
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
@@ -180,7 +180,7 @@ def set_ways(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Ree
     minds.diet[:], minds.ways[:] = np.array(diets)[fishes.species], np.array(ways)[fishes.species]
     radii = np.array([plan.territory_cm or 0.0 for plan in plans])[fishes.species]
     minds.territory[:] = np.where(np.isfinite(minds.home_range), radii, 0.0)
-    minds.itch[:] = BEGINS * fishes.identity
+    minds.itch[:] = ITCH_BEGINS * fishes.identity
     _give_stations(minds, fishes, reef)
 
 
