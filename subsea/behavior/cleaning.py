@@ -12,7 +12,7 @@ from subsea.behavior.chasing import chase, mouth_of, set_urge
 from subsea.behavior.curious import BACKS_OFF
 from subsea.behavior.grazing import feed
 from subsea.behavior.manoeuvring import careful, steer
-from subsea.behavior.steering import BODY_BL, CLEARANCE_CM
+from subsea.behavior.steering import BODY_BL, CLEARANCE_CM, is_before_window
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, unit, vector
@@ -46,7 +46,7 @@ CYCLE_S, HOLDS = 80.0, 0.6  # share of a cycle in which a cleaner without a clie
 NEAR_BL = 2.0  # distance of an idle cleaner from its station
 PASS_S = 7.0  # from head to tail and back
 # Distance of the window, and the angles within which a cleaner moves before it.
-PANE_CM, PANE_ASIDE, PANE_UP = HULL_CM + 2.0 * CLEARANCE_CM, 0.25, 0.1
+PANE_CM, PANE_ASIDE, PANE_UP = HULL_CM + 2.5 * CLEARANCE_CM, 0.25, 0.1
 GLASS_PASS_S = 14.0  # from side to side of the window and back
 TOUCH_BL = 0.5  # distance of the snout from the skin at which it picks, by the cleaner's length
 PICKS_HZ = 1.2
@@ -150,16 +150,15 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         skin = _glass(sea, i, now) if at_glass else _skin(fishes, i, j, now)
         toward = minus(skin, mouth_of(fishes, i))
         gap = norm(toward)
-        if gap > NEAR_BL * length:
+        keeps_off = at_glass and _keeps_off(fishes, minds, i, sea)
+        if not keeps_off and gap > NEAR_BL * length:
             chase(fishes, minds, i, skin, ZERO if at_glass else vector(fishes.velocity[j]))
             most = GLIDES if at_glass and gap < ARRIVES_BL * length else COMES
             fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(most))
-            continue
-        if at_glass and _keeps_off(fishes, minds, i, sea):
-            continue
-        turn = steer(fishes, minds, i, toward)
-        fastest = GENTLY if at_glass else GLIDES
-        fishes.goal_speed[i] = fastest * careful(turn) * min(gap / length, 1.0)
+        elif not keeps_off:
+            turn = steer(fishes, minds, i, toward)
+            fastest = GENTLY if at_glass else GLIDES
+            fishes.goal_speed[i] = fastest * careful(turn) * min(gap / length, 1.0)
         if gap > TOUCH_BL * length:
             continue
         fishes.gape[i] = 0.5 + 0.5 * np.sin(2.0 * np.pi * PICKS_HZ * now)
@@ -175,11 +174,13 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 def _keeps_off(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> bool:
     """Let cleaner i, if it is too near to the hull, back off, or turn and leave."""
     toward = minus(vector(sea.submarine[:3]), vector(fishes.position[i]))
-    if norm(toward) > PANE_CM + 0.5 * BODY_BL * float(fishes.length[i]):
+    ahead = is_before_window(vector(fishes.position[i]), sea)
+    body = BODY_BL * float(fishes.length[i])
+    if norm(toward) > (PANE_CM + 0.5 * body if ahead else HULL_CM + body):
         return False
-    faces = dot(toward, x_axis(fishes.orientation[i])) > 0.0
+    faces = ahead and dot(toward, x_axis(fishes.orientation[i])) > 0.0
     set_urge(minds, i, toward if faces else times(-1.0, toward))
-    fishes.goal_speed[i] = BACKS_OFF if faces else GENTLY
+    fishes.goal_speed[i] = BACKS_OFF if faces else GLIDES
     return True
 
 

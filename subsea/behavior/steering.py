@@ -36,6 +36,7 @@ BOLD = 0.4  # share of that room for a hunter, which follows its prey between st
 # ... and for a fish that keeps to the ground or lives on stone, which is among it all the time.
 CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
 CORNERED = 0.1  # part of a unit urge; in a corner a solid turns more toward the wall
+WINDOW_COS = np.cos(np.radians(28.0))  # half the angle of the window
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, except of the intentions STEEP
 STEEP = (ESCAPE, EAT, MATE, GRAZE, BATHE, SHELTER, POSE, CLEAN)
@@ -59,7 +60,9 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         urge = times(1.0 / size, urge) if size >= 1e-9 else ahead
         if minds.intention[i] not in STEEP:
             urge = flattened(urge, STEEPEST)
+        # A cleaner before the window keeps off by itself.
         at_glass = minds.intention[i] == CLEAN and minds.client[i] == SUBMARINE
+        at_glass = at_glass and is_before_window(here, sea)
         if fishes.close[i]:  # contact alone keeps it out of what it feeds on or hides in
             set_urge(minds, i, _off_the_hull(here, length, hull, velocity, urge))
             continue
@@ -78,7 +81,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
             for part in (tail, snout):
                 urge = _inside(part, reach, room, sea, urge)
                 urge = _around(part, reach, room, sea, near, urge)
-            if not at_glass:  # a cleaner keeps off by itself
+            if not at_glass:
                 urge = _off_the_hull(here, length, hull, velocity, urge)
         for part in (tail, snout):
             urge = _out_of_corner(part, reach, room, sea, near, urge)
@@ -158,6 +161,13 @@ def _out_of_corner(
     if dot(urge, inward) >= -max(gap / room, 0.0) - CORNERED:
         return urge
     return _around(p, reach, room, sea, rocks, inward)
+
+
+@kernel
+def is_before_window(here: Vector, sea: Sea) -> bool:
+    """True if a place is ahead of the submarine, within the angle of its window."""
+    away = minus(here, vector(sea.submarine[:3]))
+    return bool(dot(away, vector(sea.submarine[6:9])) > WINDOW_COS * norm(away))
 
 
 @kernel

@@ -130,7 +130,12 @@ def see_sites(
             minds.client[i] = one[0]
             least = ITCH_ENDS if before == SUBMARINE else ITCH_BEGINS
             if one[0] == NOBODY and minds.itch[i] > least and likes_glass(fishes, minds, i, sea):
-                minds.client[i] = SUBMARINE
+                # One at a time: the nearest.
+                nearest(
+                    others.cleaners, vector(sea.submarine[:3]), GLASS_CM, -1, one, gap, GUESS_CM
+                )
+                if one[0] == i:
+                    minds.client[i] = SUBMARINE
         elif minds.itch[i] > ITCHES and not minds.ways[i] & CLEANS:
             here = vector(fishes.position[i])
             nearest(others.cleaners, here, CLEANER_CM, i, one, gap, GUESS_CM)

@@ -32,6 +32,7 @@ class FollowCamera(NamedTuple):
     aim: Array  # (3,) cm, smoothed position of the fish
     way: Array  # (3,) smoothed heading of the fish, not unit
     share: float  # of the full distance, less than 1 near obstacles
+    among: float  # smoothed depth of the fish among growths, which make room: 0 to 1
 
 
 def follow_fish(
@@ -46,12 +47,13 @@ def follow_fish(
     now = (world.state.tick - 1 + alpha) * TICK_S
     aim, turn = bodies_at(world, fish, alpha)
     way = np.array(x_axis(turn))
-    share = 1.0
+    share, among = 1.0, _among(world.state.sea, vector(aim))
     if before is not None and 0.0 <= now - before.at_s < 1.0:
         spent = now - before.at_s
         aim = before.aim + (1.0 - np.exp(-spent / PLACE_S)) * (aim - before.aim)
         way = before.way + (1.0 - np.exp(-spent / WAY_S)) * (way - before.way)
         share = before.share + RECEDES * spent
+        among = before.among + (1.0 - np.exp(-spent / WAY_S)) * (among - before.among)
     length = float(world.state.fishes.length[fish])
     level = np.array([way[0], way[1], SLANT * way[2]])
     level /= max(float(np.linalg.norm(level)), 1e-6)
@@ -60,14 +62,32 @@ def follow_fish(
     x, y, z = level
     view = np.array([cosine * x + sine * y, cosine * y - sine * x, cosine * z])
     wanted = aim - back * view + np.array([0.0, 0.0, ABOVE * back * cosine**2])
-    eye, share = _free(world.state.sea, vector(aim), vector(wanted), min(share, 1.0))
+    sea = _opened(world.state.sea, float(aim[2]), among)
+    eye, share = _free(sea, vector(aim), vector(wanted), min(share, 1.0))
     forward = aim + BEYOND_BL * length * cosine**2 * view - eye
     forward /= max(float(np.linalg.norm(forward)), 1e-6)
     up = np.array([0.0, 0.0, 1.0]) - forward[2] * forward
     if float(np.linalg.norm(up)) < 1e-3:  # straight above it
         up = level - (forward @ level) * forward
     up /= np.linalg.norm(up)
-    return FollowCamera(now, aim, way, share), CameraPose(np.array(eye), forward, up)
+    return FollowCamera(now, aim, way, share, among), CameraPose(np.array(eye), forward, up)
+
+
+def _among(sea: Sea, fish: Vector) -> float:
+    """How deep a fish is among growths: 0 above their tops, 1 from ROOM_CM below them."""
+    under = height_at(sea.floor, sea.half_width, fish[0], fish[1]) - fish[2]
+    return float(np.clip(under / ROOM_CM, 0.0, 1.0))
+
+
+def _opened(sea: Sea, height: float, share: float) -> Sea:
+    """The sea whose floor is lowered by a share of the way to a camera at the `height` of a fish.
+
+    It is never lower than the sand: only growths make room.
+    """
+    if share < 0.01:
+        return sea
+    low = np.minimum(sea.floor, np.maximum(sea.heights, height - ROOM_CM))
+    return sea._replace(floor=(sea.floor + share * (low - sea.floor)).astype(np.float32))
 
 
 @kernel

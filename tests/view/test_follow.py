@@ -74,6 +74,24 @@ def test_it_enters_neither_stone_nor_sand_nor_air_wherever_its_fish_is(world):
     assert near > 8
 
 
+def test_it_looks_along_a_fish_among_growths_not_down_on_it(world):
+    fishes, sea = world.state.fishes, world.state.sea
+    rng, seen = np.random.default_rng(4), 0
+    for x, y in rng.uniform(-800.0, 800.0, (600, 2)):
+        ground = height_at(sea.heights, sea.half_width, x, y)
+        place = np.array([x, y, ground + 15.0])
+        among = 60.0 < height_at(sea.floor, sea.half_width, x, y) - place[2] < 150.0
+        if not among or clearances(sea.pillars, sea.rocks, place[None])[0] < 70.0:
+            continue
+        seen += 1
+        fishes.position[5] = fishes.previous_position[5] = place
+        fishes.orientation[5] = fishes.previous_orientation[5] = 1.0, 0.0, 0.0, 0.0
+        _, pose = follow_fish(world, 5, 1.0, None)
+        assert pose.forward[2] > -0.7
+        assert pose.eye[2] > height_at(sea.heights, sea.half_width, *pose.eye[:2]) + NEAR_CM
+    assert seen > 3
+
+
 def test_it_comes_nearer_at_once_and_goes_back_slowly(world):
     fishes, sea = world.state.fishes, world.state.sea
     fish = 5
