@@ -16,6 +16,7 @@ from subsea.behavior.table import INTENTIONS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import FEAR, WANDER
+from subsea.state.school_rules import REST
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -57,8 +58,12 @@ def school_sample(world: World, those: NDArray[Any]) -> Columns:
 
 
 def schooling(seed: int, name: str = "schooling") -> dict[str, float]:
-    """Run a scenario, and correlate halves of the run, and traits with the means of the run."""
+    """Run a scenario, and correlate halves of the run, and traits with the means of the run.
+
+    Schools travel: while they feed, places change.
+    """
     world = create_world(load_scenario(name)[0], seed=seed)
+    world.state.minds.rules[:, REST] = 0.0
     species = world.state.fishes.species[world.state.minds.schools]
     most = int(np.bincount(species).argmax())
     those = np.flatnonzero(world.state.minds.schools & (world.state.fishes.species == most))

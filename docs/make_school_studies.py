@@ -28,7 +28,7 @@ STUDIES, RUNS = HERE / "studies", HERE / "studies" / "runs"
 SCHOOL, STATES, HUNTER = (str(STUDIES / f"{name}.toml") for name in ("school", "states", "hunter"))
 Row = dict[str, float]
 
-SIZES, STATE_SEEDS, STATE_S = (30, 70, 150, 300), range(1, 2), 40.0
+SIZES, STATE_SEEDS, STATE_S = (30, 70, 150, 300), range(1, 4), 120.0
 # Tunstrøm et al. (2013) draw densities of both measures; the trend is given as text.
 TUNSTROM = {
     "polarised": "golden shiners: less with size",

@@ -22,7 +22,7 @@ VIGILANT = 0.4  # share of the fear of an alarmed fish at which it begins to be 
 ROUSED_S, CALMED_S = 0.2, 6.0  # time constants: of alarm, and of the way back to ease
 STAYS_S = 1.5  # likewise between travel and feeding
 # Change of alignment, noise and spacing: factors at full alarm, and while feeding.
-ALARMED, FEEDING = (2.5, 0.15, 0.7), (0.8, 1.2, 1.1)
+ALARMED, FEEDING = (2.5, 0.15, 0.7), (0.8, 1.2, 1.05)
 FEEDING_SPEED = 0.7  # factor on the speed of a school that feeds
 LEAST_TRAVEL = 0.4  # activity of a school that travels slowly
 REST_S = 15.0  # a school decides this often whether to stay ...

@@ -45,15 +45,16 @@ ALARMED_SPEED = 0.9
 GATHERING = 0.5  # factor on the speed of an alarmed school out of sight of the threat
 # A fish levels with its nearest LEVELLED companions of the school, unless they are steeply above
 # or below: then it leaves their way. So schools have layers (Partridge et al. 1980).
-LEVELLED, LEVEL_SINE, LEVELLING = 2, 0.6, 0.7
+LEVELLED, LEVEL_SINE, LEVELLING = 2, 0.6, 0.8
 FLATTENING = 0.1  # weight of the mean height of the neighbours
 # A fish keeps its nearest companion as far ahead or behind as aside (Partridge et al. 1980).
-DIAGONAL_BL, DIAGONAL_PACE, DIAGONAL_TURN = 1.2, 0.4, 0.3
+DIAGONAL_BL, DIAGONAL_PACE, DIAGONAL_TURN = 1.4, 0.4, 0.4
 CLIMBING = 0.25  # noise of the climb over that of the heading
 OWN_WAY, COMPANY = 2.0, 0.4  # weights of the way past an obstacle, and of all else meanwhile
 LEAST_SPEED = 0.12
 # A fish parts from a neighbour that comes nearer as if that were already as near as in FORESEEN_S.
-FORESEEN_S, LEAST_BL = 0.3, 0.25
+# One farther than FORESEEN_BL beyond its room cannot be there so soon.
+FORESEEN_S, FORESEEN_BL, LEAST_BL = 0.3, 0.8, 0.25
 # A school of n extends RADIUS_BL n^(1/3) from its middle. A fish beyond the share WITHIN of this
 # radius hurries to the middle.
 RADIUS_BL, WITHIN, HURRY = 0.9, 0.6, 0.5
@@ -227,11 +228,12 @@ def _company(fishes: Fishes, minds: Minds, i: int, temper: Temper) -> tuple[Vect
         away = unit * (way[0] * x + way[1] * y), unit * (way[1] * x - way[0] * y), unit * way[2]
         distance = max(norm((away[0], away[1], LAYER * away[2])), 0.01)
         full = max(norm(away), 0.01)
-        own = minus(vector(fishes.velocity[j]), vector(fishes.velocity[i]))
-        closing = -unit * unit * dot(own, way) / full
-        foreseen = max(distance - FORESEEN_S * max(closing, 0.0), LEAST_BL)
-        if foreseen < rule[SEPARATION_BL]:
-            apart = minus(apart, times((rule[SEPARATION_BL] / foreseen - 1.0) / full, away))
+        if distance < FORESEEN_BL + rule[SEPARATION_BL]:
+            own = minus(vector(fishes.velocity[j]), vector(fishes.velocity[i]))
+            closing = -unit * unit * dot(own, way) / full
+            foreseen = max(distance - FORESEEN_S * max(closing, 0.0), LEAST_BL)
+            push = max(rule[SEPARATION_BL] / foreseen - 1.0, 0.0)
+            apart = minus(apart, times(push / full, away))
         if not minds.schools[j] or known_by(minds, j) != known_by(minds, i):
             continue
         heading = plus(heading, x_axis(fishes.orientation[j]))

@@ -18,7 +18,7 @@ from subsea.world.step import step
 from subsea.world.world import TICK_S
 from tests.support.daily import only
 
-FISH = 5
+FISH = 4
 
 
 @pytest.fixture(scope="module")
