@@ -42,13 +42,13 @@ OPEN_BL = 0.5  # distance of the speck at which the mouth begins to open
 SUCK_BL = 0.28  # reach of the suction ...
 SUCK_CM_S = 25.0  # ... and its speed
 SWALLOW_BL = 0.06  # distance at which a speck is in the mouth
-SNACK = 0.35  # of a meal, that a speck is to a fish that feeds on stone
+SNACK = 0.25  # of a meal, that a speck is to a fish that feeds on stone
 ABSENCE_S = (40.0, 90.0)  # until a speck that was eaten is replaced
 FED_CM, FED = 250.0, 0.12  # distance of a meal to the submarine, and the liking that it adds
 PICKS_S = 1.3  # from one copepod to the next
 PICKS_ASIDE_CM, PICKS_OVER_CM = 35.0, (12.0, 45.0)  # where they are, from the anemone
 DARTS = 0.45  # fastest speed of a fish that picks, share of the fastest
-COVERS = 5.0  # seconds of digestion that a second of picking covers
+COVERS = 4.0  # seconds of digestion that a second of picking covers
 ABSENCE_PURPOSE = np.int64(60)  # keys of the random numbers
 PICKS_PURPOSE = np.int64(168)
 

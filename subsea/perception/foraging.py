@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.solids import height_at
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
-from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
+from subsea.perception.vision import ahead_of, eye_of, hidden, sees_fish, sight
 from subsea.state import ESCAPE, HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
 from subsea.state.wants import TEMPTING
 
@@ -36,9 +36,9 @@ def perceive_plankton(
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
     is the larger, smell alone decides. A fish that keeps to the ground minds only specks that are
-    no higher than it cruises, and those that leave it room to turn before the wall. A pinch of
-    `scattered` food from the submarine, which lies together, is more than single specks: a fish
-    that it tempts minds nothing else.
+    no higher than it cruises, in open water, and that leave it room to turn before the wall. A
+    pinch of `scattered` food from the submarine, which lies together, is more than single specks: a
+    fish that it tempts minds nothing else.
     """
     gaps = np.empty(minds.foods.shape[1])
     for i in who:
@@ -64,7 +64,7 @@ def perceive_plankton(
 def _forget_unfit(fishes: Fishes, minds: Minds, i: int, sea: Sea, gaps: Array) -> None:
     """Remove specks from the food of fish i, and their `gaps`, that it cannot reach with ease.
 
-    They are higher than it cruises, or nearer to the wall than it turns.
+    They are higher than it cruises, nearer to the wall than it turns, or behind stone or at it.
     """
     kept, foods = 0, minds.foods[i]
     if minds.cruise_height[i, 1] == np.inf:
@@ -75,11 +75,25 @@ def _forget_unfit(fishes: Fishes, minds: Minds, i: int, sea: Sea, gaps: Array) -
             continue
         x, y, z = vector(sea.plankton[foods[k]])
         low = z - height_at(sea.floor, sea.half_width, x, y) <= minds.cruise_height[i, 1]
-        if low and x * x + y * y < edge * edge:
+        inside = x * x + y * y < edge * edge
+        if low and inside and _is_open(fishes, i, sea, (x, y, z)):
             foods[kept], gaps[kept] = foods[k], gaps[k]
             kept += 1
     foods[kept:] = -1
     gaps[kept:] = np.inf
+
+
+@kernel
+def _is_open(fishes: Fishes, i: int, sea: Sea, p: Vector) -> bool:
+    """True if p is in view of fish i, with half a length of free water to pillars and rocks."""
+    room = 0.5 * float(fishes.length[i])
+    for k in range(len(sea.pillars)):
+        if from_pillar(sea.pillars[k], p)[1] < room:
+            return False
+    for k in range(len(sea.rocks)):
+        if not far_from_rock(sea.rocks[k], p, room) and from_rock(sea.rocks[k], p)[1] < room:
+            return False
+    return not hidden(sea, eye_of(fishes, i), p)
 
 
 @kernel
