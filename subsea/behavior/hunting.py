@@ -19,7 +19,6 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
-from subsea.perception.vision import FIELD_COS
 from subsea.state import (
     CHEWING,
     EAT,
@@ -52,13 +51,14 @@ STALK_S = 14.0  # longest stalk ...
 CHASE_S = 6.0  # ... of prey that flees ...
 ALMOST_S = 4.0  # ... and how much longer it is at prey within range of a rush
 LOST_S = 4.0  # rest after it lost its prey, so that it does not waver
-REAR_COS = -0.5  # cosine of its bearing from the prey's heading from which it closes in
 PATIENT_S = 7.0  # after which it rushes from any side
+REAR_COS = -0.5  # cosine of its bearing from the prey's heading at which it closes in ...
+BLIND_COS = np.cos(np.radians(150.0))  # ... and in the blind angle (Tu §6.3)
 LOW = 0.3  # slope up to the prey from which it is hidden below
 
 RUSH_BL = 2.0  # distance within which it rushes from there ...
 CHASE_BL = 2.2  # ... or at prey that flees ...
-AIM_RAD = np.radians(30.0)  # ... if it heads for it ...
+AIM_RAD = np.radians(20.0)  # ... if it heads for it ...
 STEEPEST = 0.5  # ... and no steeper up or down, as it could not follow
 READY_S = 1.0  # spent part of a burst below which it rushes
 RUSH_S = 1.8  # longest rush
@@ -75,7 +75,7 @@ LULL_PURPOSE = np.int64(164)  # key of the random numbers
 
 ATTENTION_TICKS = 20  # until its attention may pass to another fish of a crowd, 0.67 s
 CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter ...
-CONFUSION = 0.5  # ... by this power of their number
+CONFUSION = 0.4  # ... by this power of their number
 ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
@@ -204,7 +204,7 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     set_urge(minds, i, give_way(fishes, minds, i, vector(minds.urge[i])))
     fishes.goal_speed[i] = PURSUIT if seen else STALK
     spell = minds.hunt_time[i]
-    good = toward[2] > LOW * distance or rear <= FIELD_COS or spell > PATIENT_S
+    good = toward[2] > LOW * distance or rear <= BLIND_COS or spell > PATIENT_S
     near = (seen and distance < CHASE_BL * length) or (good and distance < RUSH_BL * length)
     near = near and abs(toward[2]) < STEEPEST * distance
     aim = dot(toward, x_axis(fishes.orientation[i])) > np.cos(AIM_RAD) * distance
