@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import eating
 from subsea.behavior.chasing import chase, mouth_of
-from subsea.state import EAT, HUNGER, Clock
+from subsea.state import ANEMONE, BATHES, EAT, HUNGER, Clock
 
 
 def test_hunger_above_the_threshold_and_something_to_eat(tank):
@@ -66,3 +66,27 @@ def test_a_straggler_catches_up_before_it_eats(tank):
     assert t.desire(eating.desire)[1] == 0.0
     t.minds.neighbour[1] = 0  # in company
     assert t.desire(eating.desire)[1] > 0.0
+
+
+def test_a_clownfish_picks_plankton_above_its_anemone(tank):
+    t = tank(2)
+    sea = t.sea._replace(
+        site_kind=np.array([ANEMONE], np.uint8),
+        site_place=np.array([[30.0, 0.0, -330.0]], np.float32),
+    )
+    t = t._replace(sea=sea)
+    t.minds.ways[:], t.minds.cover[:] = (BATHES, 0), (0, -1)
+    t.minds.food[:], t.minds.target[:] = -1, -1
+    t.minds.mental[:, HUNGER] = 0.6
+    assert (t.desire(eating.desire) > 0.0).tolist() == [True, False]
+    t.minds.appetite[:], t.minds.digestion[:], t.minds.pause[:] = 2.0, 0.0067, 1.0
+    places = set()
+    for tick in range(1, 400, 20):
+        t.at(tick).run(eating.act, 0)
+        spot = t.minds.urge[0] + t.fishes.position[0] + [7.0, 0.0, 0.0]
+        assert np.hypot(*(spot[:2] - [30.0, 0.0])) <= eating.PICKS_ASIDE_CM + 1e-3
+        assert spot[2] > -330.0
+        places.add(tuple(np.round(spot)))
+        assert t.fishes.goal_speed[0] <= eating.DARTS + 1e-6
+    assert len(places) > 5
+    assert t.minds.eaten[0] > 0.0

@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.behavior import table
 from subsea.kernels import kernel
+from subsea.state import GUARD, NOBODY, YIELD
 
 
 @kernel
@@ -42,3 +43,20 @@ def test_desires_come_by_urgency_and_each_intention_runs_its_routine(tank, monke
     t.minds.intention[:] = 1, 0
     table.run_routines(*given)
     assert t.fishes.goal_speed.tolist() == [1.0, 0.0]
+
+
+def test_a_fish_that_lost_what_it_seeks_wanders(tank):
+    t = tank(3)
+    minds = t.minds
+    minds.intention[:] = GUARD, GUARD, YIELD
+    minds.intruder[:], minds.chaser[:] = (1, NOBODY, NOBODY), NOBODY
+    minds.home[:], minds.home_range[:] = t.fishes.position, np.inf
+    t.fishes.position[1] = 60.0, 0.0, -300.0
+    t.fishes.fast[:] = 60.0
+    minds.desire[np.flatnonzero(table.BEHAVIOR_OF_DESIRE == GUARD), 0] = 0.9
+    minds.waypoint[:] = t.fishes.position + np.float32([0.0, 400.0, 0.0])
+    minds.patience[:] = 100.0
+    table.run_routines(np.arange(3), t.fishes, minds, t.sea, t.nature, t.clock)
+    ahead = minds.urge[:, 0] > 0.9 * np.linalg.norm(minds.urge, axis=1)
+    assert ahead.tolist() == [True, False, False]  # to its intruder; the others to their left
+    assert minds.intention.tolist() == [GUARD, GUARD, YIELD]

@@ -13,7 +13,7 @@ from subsea.fish.measured import load_measured
 from subsea.jobs import workers
 from subsea.jobs.workers import serial
 from subsea.lab.measures import PERIOD_S, Outside, Predation
-from subsea.lab.mind_findings import budget_lines, budgets
+from subsea.lab.mind_findings import budget_lines, budgets, mind_findings
 from subsea.lab.minds import Bouts, Fear, MindMeasures
 from subsea.lab.rhythm import Rhythm
 from subsea.lab.schooling import ABREAST, BEARINGS, SECTORS, Schooling
@@ -26,6 +26,7 @@ from subsea.lab.validation import (
     SeaTrial,
     default_scenarios,
     findings,
+    imposed_courtship,
     one_group,
     run_trials,
     seed_words,
@@ -35,6 +36,7 @@ from subsea.lab.validation import (
 )
 from subsea.lab.whereabouts import Whereabouts
 from subsea.scenario.load import load_scenario
+from subsea.world.build import create_world
 from subsea.world.world import TICK_S
 from tests.support.scenes import BARE
 
@@ -272,3 +274,23 @@ def test_crashed_runs_are_an_error_after_the_files_are_written(tmp_path, capsys)
 
 def test_seeds_in_words():
     assert [seed_words(one) for one in ([1, 2, 3], [1, 3], [])] == ["1 to 3", "1, 3", "none"]
+
+
+def test_imposed_courtship_has_no_range():
+    spent = {"wander": 30.0, "eat": 1.0, "mate": 60.0}
+
+    def verdicts(**changed):
+        mind = a_mind(spent=spent)._replace(**changed)
+        rows = mind_findings("sea", mind, load_measured())
+        return {row.quantity: row.verdict for row in rows if row.subject == "sea: Fish"}
+
+    free = verdicts()
+    assert (free["time feeding"], free["time courting by day"]) == (FAIL, FAIL)
+    imposed = verdicts(courts=frozenset({"Fish"}))
+    assert (imposed["time feeding"], imposed["time courting"]) == (NO_RANGE, NO_RANGE)
+    assert "time courting by day" not in imposed
+
+
+def test_a_key_of_the_scenario_imposes_courtship():
+    world = create_world(load_scenario("rendezvous")[0])
+    assert imposed_courtship(world) == {"Emperor angelfish"}

@@ -5,8 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from subsea.geometry.rotation import about, matrix, multiply
-from subsea.motor.controller import command
+from subsea.geometry.rotation import about, matrix, multiply, quaternion
+from subsea.motor.controller import TILTED, command
 from subsea.motor.playback import play
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.blending import LEVELS, TIGHTEST
@@ -203,3 +203,21 @@ def test_small_turns_are_tuned_finely(make_tank, species):
         tank.run(56)
         way = tank.fishes.position[0] - begin
         assert abs(np.degrees(np.arctan2(way[1], way[0])) - azimuth) < 4.5, (azimuth, speed)
+
+
+def test_a_fish_with_its_nose_down_levels_by_its_fins_before_it_turns_or_swims(make_tank):
+    """Recorded swims and sharp turns begin level."""
+    tank = make_tank("blue_tang").put("row_forward")
+    before = tank.fishes.orientation[0].astype(np.float64)
+    tank.fishes.orientation[0] = multiply(quaternion(before), about(0.0, 0.0, 1.0, -1.0))
+    tank.aim(np.radians(150.0), 0.8)
+    steep, rowed = [], []
+    for _ in range(120):
+        tank.run(1)
+        steep.append(abs(matrix(tank.fishes.orientation[0].astype(np.float64))[2, 0]) > TILTED)
+        name = SEGMENTS[tank.fishes.wanted_segment[0]]
+        rowed.append("row" in name)
+    assert sum(steep) > 3
+    assert not any(tilted and not rows for tilted, rows in zip(steep[:-1], rowed[1:], strict=True))
+    assert not steep[-1]
+    assert not rowed[-1]
