@@ -22,7 +22,7 @@ from subsea.state import HUNGER, Clock, Fishes, Minds, Nature, Sea
 
 PICKING = 0.05  # desire: more than calm schooling, less than curiosity
 PECK_S = 1.2  # from one attempt to the next
-OFTEN = 0.5, 0.8  # share of attempts in a school that stays, of a sated and of a famished fish
+OFTEN = 0.6, 0.8  # share of attempts in a school that stays, of a sated and of a famished fish
 SLOW = 0.18  # share of the fastest speed of a fish that picks
 ASIDE_RAD, ABOVE = np.radians(25.0), 0.2  # range of the way to the prey: angle, and sine upward
 COMPANY = 0.8  # weight of schooling meanwhile

@@ -57,7 +57,7 @@ class SchoolRules(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     informed: Portion | None = None  # share that knows the destination, where `goals` is empty
     goals: Annotated[list[Goal], msgspec.Meta(max_length=MAX_GOALS)] | None = None
     goal_feedback: Annotated[float, msgspec.Meta(ge=0, le=10)] | None = None  # off course, less
-    rest: Portion | None = None  # share of the time in which a school stays where it is
+    rest: Portion | None = None  # share of the time in which a school stays to feed
     moods: Portion | None = None  # how much hunger and fear change these rules
     contagion: Annotated[float, msgspec.Meta(ge=0, le=10)] | None = None  # 1/s, of moods
 

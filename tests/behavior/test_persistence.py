@@ -44,7 +44,7 @@ def test_the_measures_against_a_record_made_by_hand(figures):
 
 
 def test_prey_see_their_flight_through_and_stay_afraid(figures):
-    found = figures.figures(figures.watch("strike", 3, 20.0))
+    found = figures.figures(figures.watch("strike", 5, 20.0))
     assert found["bouts"] > 40
     assert found["short"] < 0.05
     assert found["flips"] < 6.0  # 55 before fishes remembered the threat
