@@ -284,7 +284,8 @@ def swim_live(
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:
             before, after = mean_of(bodies.mass[kind], live.x[slot]), mean_of(bodies.mass[kind], x)
-            live.x[slot], live.v[slot] = x, v
+            # Sines of C libraries differ by processor in their last bit: float32 drops it.
+            live.x[slot], live.v[slot] = x.astype(np.float32), v.astype(np.float32)
             _settle(fishes, live, slot, len(library.entry), dt, pace)
             for axis in range(3):
                 # Not of the origin, which sways with the beat: a coast would end at once.
@@ -582,7 +583,8 @@ def _follow_course(fishes: Fishes, live: Live, slot: int, rows: int, turn: float
     still, beating = COURSE_TIMES
     time = still + (beating - still) * min(live.gear[slot], 1.0)
     gap = _wrapped(math.atan2(left, ahead) - live.course[slot] - turn)
-    live.course[slot] += turn + min(float(fishes.rate[i]) / time, 1.0) * gap
+    course = live.course[slot] + turn + min(float(fishes.rate[i]) / time, 1.0) * gap
+    live.course[slot] = np.float32(course)
     live.sway[fishes.row_a[i] - rows] = _wrapped(math.atan2(x[1], x[0]) - live.course[slot])
 
 
