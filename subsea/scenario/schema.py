@@ -369,6 +369,7 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     dusk: Share = 0.5
     mild: Share = 0.5
     day_libido: Share = 0.1
+    calm_dread: Share = 0.5
 
     def __post_init__(self) -> None:
         """Refuse thresholds in the wrong order (Tu §7.5)."""

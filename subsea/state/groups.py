@@ -560,6 +560,7 @@ class Nature(NamedTuple):
     dusk: float  # share of the sea's range of light below which it is dark (Tu §7.3)
     mild: float  # share of the sea's range of temperature below which it is cold
     day_libido: float = 0.1  # share of libido outside dusk
+    calm_dread: float = 0.5  # share of D0 that is left for a predator that cruises slowly
 
 
 class Physics(NamedTuple):

@@ -231,13 +231,15 @@ def test_fear_is_of_visible_predators(tank, seed, company):
         t.sea.submarine[:3] = 200.0, 300.0, -300.0
     t.run(sense)
     bodies, scene = t.fishes, t.sea
+    paces = np.linalg.norm(bodies.velocity - bodies.drift, axis=1) / bodies.length
     for i in np.flatnonzero(t.fishes.alive):
         if t.minds.kind[i] != PREY:
             assert t.minds.predator[i] == NOBODY
             assert t.minds.menaces[i] == t.minds.menace[i] == 0.0
             continue
+        threat = 0.5 + 0.5 * np.clip((paces - 0.6) / 0.4, 0.0, 1.0)
         fears = [
-            (200.0 / np.linalg.norm(gap), j)
+            (200.0 * threat[j] / np.linalg.norm(gap), j)
             for j, gap, seen in _all(t, i, PREDATOR)
             if seen or np.linalg.norm(gap) < FELT_BL * t.fishes.length[j]
         ]
@@ -256,12 +258,26 @@ def test_fear_is_of_visible_predators(tank, seed, company):
 def test_coward_and_bold(tank):
     t = tank(2)
     t.minds.kind[:] = PREY, PREDATOR
-    t.fishes.position[1, 0] = 407.0
+    t.fishes.position[1, 0], t.fishes.velocity[1, 0] = 407.0, 20.0
     t.run(sense, 0)
     assert t.minds.menace[0] == pytest.approx(0.5)
     t.minds.dread[0] = 500.0
     t.run(sense, 0)
     assert t.minds.menace[0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("speed", "drift", "calm", "fear"),
+    [(0.0, 0.0, 0.5, 0.25), (12.0, 0.0, 0.5, 0.25), (16.0, 0.0, 0.5, 0.375), (20.0, 0.0, 0.5, 0.5),
+     (20.0, 20.0, 0.5, 0.25), (0.0, 0.0, 1.0, 0.5), (0.0, 0.0, 0.0, 0.0), (60.0, 0.0, 0.0, 0.5)],
+)  # fmt: skip
+def test_a_predator_that_cruises_is_feared_less(tank, speed, drift, calm, fear):
+    t = tank(2, calm_dread=calm)
+    t.minds.kind[:] = PREY, PREDATOR
+    t.fishes.position[1, 0] = 407.0
+    t.fishes.velocity[1, 0], t.fishes.drift[1, 0] = speed, drift
+    t.run(sense, 0)
+    assert t.minds.menace[0] == pytest.approx(fear)
 
 
 def test_a_large_predator_is_seen_in_advance(tank):
