@@ -583,8 +583,7 @@ def _follow_course(fishes: Fishes, live: Live, slot: int, rows: int, turn: float
     still, beating = COURSE_TIMES
     time = still + (beating - still) * min(live.gear[slot], 1.0)
     gap = _wrapped(math.atan2(left, ahead) - live.course[slot] - turn)
-    course = live.course[slot] + turn + min(float(fishes.rate[i]) / time, 1.0) * gap
-    live.course[slot] = np.float32(course)
+    live.course[slot] = np.float32(live.course[slot] + turn + min(fishes.rate[i] / time, 1.0) * gap)
     live.sway[fishes.row_a[i] - rows] = _wrapped(math.atan2(x[1], x[0]) - live.course[slot])
 
 

@@ -12,7 +12,7 @@ from subsea.rendering.renderer import Renderer
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-FILM = ["--size", "160x120", "--start", "7.0", "--seconds", "1.8", "--fps", "10", "--seed", "1"]
+FILM = ["--size", "160x120", "--start", "6.2", "--seconds", "1.8", "--fps", "10", "--seed", "1"]
 
 
 def pictures(folder):
