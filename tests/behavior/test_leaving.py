@@ -108,7 +108,7 @@ def test_dislike_ranks_above_calm_schooling_and_a_school_leaves_together(tank):
     assert (t.minds.urge[:, 0] > 0.8 * np.linalg.norm(t.minds.urge[:, :2], axis=1)).all()
 
 
-@pytest.mark.parametrize("seed", only([3, 11], range(3, 13)))
+@pytest.mark.parametrize("seed", only([3], range(3, 13)))
 def test_fishes_of_the_twilight_slope_sort_themselves_and_stay(seed):
     world = create_world(load_scenario("twilight").scenario, seed=seed)
     fishes, minds = world.state.fishes, world.state.minds

@@ -118,7 +118,7 @@ SHORT = {
     "subsea dive": "--seconds 0.1",
     "subsea film": "--seconds 0.05 --quality low",
     "subsea simulate": "--ticks 4",
-    "subsea sweep": "--jobs 1 --seeds 1",
+    "subsea sweep": "--jobs 1 --seeds 1 --seconds 2",
     "subsea benchmark": "--frames 1 --quality low",
     "subsea soak": "--minutes 0.01",
     "subsea-capture flat": "--quick --only integrators",

@@ -16,6 +16,7 @@ from subsea.submarine.vessel import NEUTRAL, STATION, Helm
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S
+from tests.support.daily import only
 
 
 def ticks(seconds):
@@ -41,7 +42,7 @@ def toward(submarine, place):
     return Helm(surge=1.0 if abs(turn) < 0.6 else 0.2, yaw=yaw, pitch=pitch)
 
 
-@pytest.mark.parametrize("seed", [21, 22])
+@pytest.mark.parametrize("seed", only([22], [21, 22]))
 def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
     world = create_world(load_scenario("schooling").scenario, seed=seed)
     submarine, fishes = world.state.submarine, world.state.fishes
@@ -65,7 +66,7 @@ def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
     assert together > 0.9  # of the fishes, at once within 20 s
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", only([3], [3, 4]))
 def test_a_cleaner_that_likes_the_submarine_hovers_before_its_window_and_picks(seed):
     scenario = load_scenario("peaceful").scenario
     place = tuple(np.add(scenario.submarine.position_cm, (230.0, 40.0, -60.0)))
