@@ -34,7 +34,7 @@ DAY_MINUTES = 24.0
 STEPS = 48  # of half an hour
 DAY, NIGHT = (7.0, 16.0), (20.0, 4.5)  # hours of the printed shares
 DOINGS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "feed": (GREEN, ("eat", "graze")),
+    "feed": (GREEN, ("eat", "graze", "pick")),
     "school": (BLUE, ("school",)),
     "court": (PINK, ("mate",)),
     "clean, be cleaned": (ORANGE, ("clean", "pose")),

@@ -22,8 +22,14 @@ INTENTION_COLOURS = {
     "mate": "#CC79A7",
     "leave": "#F0E442",
     "wander": "#BFC7CE",
+    "curious": "#56B4E9",
+    "graze": "#8C564B",
+    "pick": "#66C2A5",
+    "shelter": "#17324D",
+    "clean": "#7F3C8D",
 }
-MORE_COLOURS = ("#56B4E9", "#7F3C8D", "#8C564B", "#17324D", "#A5AA99")
+MORE_COLOURS = ("#A5AA99", "#F4A6A6", "#B8860B", "#C7B6E5", "#6B6259", "#B3DE69")
+DARK = 0.45  # brightness of a colour below which text on it is white
 LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F3C8D", "#8C564B")
 MENTAL_COLOURS = ("#009E73", "#CC79A7", "#D55E00")
 BARRIER_COLOURS = ("#17324D", "#56B4E9", "#C9A66B", "#8C564B", "#7F7F7F")
@@ -54,9 +60,11 @@ def _colours(record: Record) -> list[str]:
 
 def _budget_page(page: Any, record: Record) -> None:
     """Draw the share of time per intention, a bar for each species."""
+    from matplotlib.colors import to_rgb
+
     budget, colours = time_budget(record), _colours(record)
     number = len(budget)
-    page.set_size_inches(9, 1.3 + 0.42 * number)
+    page.set_size_inches(9, 1.8 + 0.42 * number)
     axis = page.subplots()
     left = np.zeros(number)
     for k, name in enumerate(record.intention_names):
@@ -67,7 +75,7 @@ def _budget_page(page: Any, record: Record) -> None:
             if share >= 0.06:
                 axis.text(
                     left[row] + share / 2, row, f"{share:.0%}", ha="center", va="center",
-                    fontsize=8, color="white" if name in ("school", "escape", "eat") else "0.15",
+                    fontsize=8, color="white" if np.mean(to_rgb(colours[k])) < DARK else "0.15",
                 )  # fmt: skip
         left += budget[:, k]
     counts = [int((record.species == k).sum()) for k in range(number)]
@@ -79,7 +87,7 @@ def _budget_page(page: Any, record: Record) -> None:
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
     page.suptitle(f"Time budget, {_span(record)}", x=0.01, ha="left", fontsize=11)
-    page.legend(loc="outside upper right", ncols=len(record.intention_names))
+    page.legend(loc="outside lower center", ncols=8)
 
 
 def _span(record: Record) -> str:
@@ -163,7 +171,7 @@ def _minds_page(page: Any, record: Record) -> None:
     handles, labels = axes[0].get_legend_handles_labels()
     handles += [Patch(color=colours[code]) for code in done]
     labels += [record.intention_names[code] for code in done]
-    page.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    page.legend(handles, labels, loc="outside lower center", ncols=8)
     page.suptitle("Minds", x=0.01, ha="left", fontsize=11)
 
 
