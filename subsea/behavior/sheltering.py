@@ -22,11 +22,8 @@ NEAR_BL, NEAR_CM = 3.0, 60.0  # distance at which it goes in: the larger of both
 DOOR_CM, DOOR_COS = 25.0, 0.3  # the door of a crevice, and who is before it
 STAYS_BL, LOSES_S = 1.5, 20.0  # in its cover at last; time after which it tries another one
 INSIDE_BL = 0.6  # distance within which it is in its cover
-HOVERS, SETTLES, ENTERS = (
-    0.03,
-    0.25,
-    0.6,
-)  # shares of the fastest speed: inside, at the door, before
+# Shares of the fastest speed: inside, at the door and before it.
+HOVERS, SETTLES, ENTERS = 0.03, 0.25, 0.6
 BATHING = 0.4  # desire of a clownfish to bathe
 CYCLE_S = (70.0, 110.0)  # from bath to bath, by identity ...
 SHARE = 0.22  # ... and the share of it that is spent in the anemone

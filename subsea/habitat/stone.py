@@ -61,6 +61,7 @@ def sun_at(hour: float) -> tuple[Vector, float]:
 
 
 SUNS = 8  # directions of the sun for which the shade of a moving day is known
+NO_SUNS = np.zeros((0, 3))
 
 
 def suns_of_day() -> Array:

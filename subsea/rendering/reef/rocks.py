@@ -28,6 +28,7 @@ from subsea.habitat.formations import (
     rough_distance,
 )
 from subsea.habitat.stone import (
+    NO_SUNS,
     SUN,
     Shade,
     box_of,
@@ -62,7 +63,6 @@ SUN_WIDE = 0.16  # width of the cone of sunlight, for soft shadows
 
 # Columns of a vertex: position, normal, light and cover; then shares of the suns of a moving day.
 COLUMNS = 13
-NO_SUNS = np.zeros((0, 3))
 SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
 
 

@@ -10,7 +10,16 @@ import numpy as np
 from subsea.base.arrays import Array, Bytes
 from subsea.geometry.noise import fractal
 from subsea.geometry.vector import Vector, vector
-from subsea.habitat.stone import SUN, Shade, box_of, openness, passes, shade_distance, shade_of
+from subsea.habitat.stone import (
+    NO_SUNS,
+    SUN,
+    Shade,
+    box_of,
+    openness,
+    passes,
+    shade_distance,
+    shade_of,
+)
 from subsea.kernels import kernel
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
@@ -20,7 +29,7 @@ REACH_CM = 170.0  # distance at which formations have no effect
 SUN_WIDE = 0.2  # width of the cone of sunlight, for soft shadows
 RUBBLE_CM = 90.0  # decay length of rubble around a formation
 UP = np.array([[0.0, 0.0, 1.0]])
-NO_GROWTHS, NO_SUNS = np.zeros((0, 5)), np.zeros((0, 3))
+NO_GROWTHS = np.zeros((0, 5))
 CONTACT_CM = 5.0  # least distance over which a growth darkens the sand beside it
 SKY_TAKEN, SUN_TAKEN = 0.72, 0.8  # at the foot of a growth, and in its shadow
 

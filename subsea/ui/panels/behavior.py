@@ -52,7 +52,7 @@ NATURE = (
     Slider("dusk", "dark is below, share of the light", 0.0, 1.0, "%.2f"),
     Slider("mild", "cold is below, share of the warmth", 0.0, 1.0, "%.2f"),
     Slider("day_libido", "share of libido outside dusk", 0.0, 1.0, "%.2f"),
-    Slider("calm_dread", "dreads a slow predator less, times", 0.0, 1.0, "%.2f"),
+    Slider("calm_dread", "dread of a predator that cruises, times", 0.0, 1.0, "%.2f"),
 )
 """Constants of all fishes: members of `state.Nature`."""
 
