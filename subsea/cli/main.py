@@ -8,12 +8,15 @@ from typing import Any
 
 from subsea.base.command_line import add_groups, make_parser, parse_arguments, run_command
 from subsea.base.registry import COMMANDS, load_all
-from subsea.cli import dive, doctor, film, listing, settings
+from subsea.cli import dive, doctor, film, listing, logbook, settings
 
 GROUPS = (
     "dive and film", "simulate and study", "make fishes", "scenarios and theatres", "this machine",
 )  # fmt: skip
-OWN = {"dive": dive, "doctor": doctor, "film": film, "list": listing, "settings": settings}
+OWN = {
+    "dive": dive, "doctor": doctor, "film": film, "list": listing, "logbook": logbook,
+    "settings": settings,
+}  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -371,6 +371,7 @@ class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     instruments: Annotated[
         bool, Meta(description="with instruments, panels and all text of the window")
     ] = False
+    logbook: Annotated[bool, Meta(description="whether to keep a logbook of what you see")] = True
 
 
 class SoundSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -32,6 +32,7 @@ from subsea.ui.commands import Commands
 from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
+from subsea.ui.logbook_keeper import LogbookKeeper
 from subsea.ui.menu import Menu
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
@@ -107,6 +108,7 @@ class Dive:
             undo.callback(self.picture.close)
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
+            self.logbook = LogbookKeeper(self, settings.pictures.logbook, options.kiosk)
             self.commands = Commands(self)
             self.text = TextLayer(self, settings)
             for part in self.parts:
@@ -124,6 +126,8 @@ class Dive:
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading = False
+            if self.logbook.fault:
+                self.note_fault(self.logbook.fault)
             undo.callback(self.shots.end)
             undo.callback(self.inspector.close)
             for part in self.parts:
@@ -289,6 +293,7 @@ class Dive:
         if self._first is not None:
             self._first.keep(self.window_set.picture())
             self._first = None
+        self.logbook.look(elapsed_s)
         if not self.records_text:
             self._record(elapsed_s, self.subtitle)
         self.text.draw(elapsed_s)
@@ -397,6 +402,8 @@ class Dive:
         if not (self.shots.wanted or self.shots.filming):
             return
         pixels = self.window_set.picture()
+        if self.shots.wanted:
+            self.logbook.photographed(pixels)
         if caption is not None and not self.picture.pattern:
             rig = self.picture.rig
             pixels = draw_caption(pixels, rig, front(rig).output, caption)

@@ -62,6 +62,7 @@ class IdleTours:
         """Close what is open, and begin the tour, in the scenario of the start if that is asked."""
         dive = self._dive
         self._visited = False
+        dive.logbook.book.forget_visit()
         self._close_panels()
         if self._starts_over:
             dive.preferences.restore()

@@ -15,7 +15,9 @@ from imgui_bundle import imgui
 from subsea.base.errors import UserError
 from subsea.base.language import LANGUAGES, language, marked, translated
 from subsea.base.toml_files import load_toml
+from subsea.dive.logbook import SEEN, SPECIES, hint_of, subjects, title_of, write_page
 from subsea.dive.settings import COMFORTS, CONTROLS, ControlName, is_key, key_words
+from subsea.media.screenshots import pictures_folder
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
@@ -40,7 +42,7 @@ class Entry(NamedTuple):
     aside: str = ""  # text at its right end
     chosen: bool = False
     about: str = ""  # a line below it
-    scenario: Path | None = None  # the file whose picture is at its left end
+    picture: Path | None = None  # at its left end: a file whose suffix .jpg replaces
 
     @property
     def high(self) -> float:
@@ -49,8 +51,9 @@ class Entry(NamedTuple):
 
 
 SETTINGS = marked("Settings")
-KEYS, MORE = "Keys", 6.0  # a page whose lines are longer, in heights of letters
+LOGBOOK, VISIT = marked("Logbook"), marked("This visit")
 PARTS = marked("Keys"), marked("Comfort"), marked("Sound"), marked("Language")
+ABOVE = dict.fromkeys(PARTS, SETTINGS) | dict.fromkeys((SPECIES, SEEN), LOGBOOK)
 KIOSK_PARTS = "Comfort", "Language"
 UNREVIEWED = marked("A draft that no native speaker has reviewed.")
 PRESETS = {
@@ -79,6 +82,8 @@ LEAST_ABOUT = 0.75  # of the size of a long line below an entry over that of oth
 ABOUT_SIZE = 0.7  # of the letters below an entry, over those of its text
 WIDE = 17.0  # width of an entry, in the same
 THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
+MORE = {"Keys": 6.0} | dict.fromkeys(("Scenario", SPECIES, SEEN, VISIT), THUMBNAIL[0])
+"""By how much pages with long lines or pictures are wider, in heights of letters."""
 RECENTRE = marked("Look straight ahead first.")
 SEED = marked("The same seed, the same dive; another one, another dive.")
 
@@ -121,6 +126,10 @@ class Menu:
             "Display": self._displays,
             "Quality": self._qualities,
             "Scenario": self._scenarios,
+            LOGBOOK: self._logbook,
+            SPECIES: partial(self._subjects, SPECIES),
+            SEEN: partial(self._subjects, SEEN),
+            VISIT: self._visit,
             SETTINGS: self._settings,
             "Keys": self._keys,
             "Comfort": self._comforts,
@@ -155,7 +164,7 @@ class Menu:
     def back(self) -> None:
         """Return to the page before, or close it."""
         if self.page:
-            self._open_page(SETTINGS if self.page in PARTS else "")
+            self._open_page(ABOVE.get(self.page, ""))
         else:
             self.hide()
 
@@ -216,14 +225,14 @@ class Menu:
         room = ROW - 1.12 - 2.0 * PADDING  # for the text in the upper ROW of it
         align = 0.0, 0.5 * room / (room + entry.high - ROW)
         imgui.push_style_var(imgui.StyleVar_.button_text_align.value, align)
-        left = 0.7 + (THUMBNAIL[0] if entry.scenario else 0.0)
+        left = 0.7 + (THUMBNAIL[0] if entry.picture else 0.0)
         imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (left * line, PADDING * line))
         size = self._width * line, (entry.high - 0.12) * line
         pressed = imgui.button(f"{entry.text}##{entry.aside}", size)
         imgui.pop_style_var(2)
         imgui.pop_style_color()
-        if entry.scenario and imgui.is_item_visible():
-            self._draw_thumbnail(entry.scenario, line)
+        if entry.picture and imgui.is_item_visible():
+            self._draw_thumbnail(entry.picture, line)
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         canvas, ground = imgui.get_window_draw_list(), low.y + (ROW - 0.12) * line
         if entry.aside:
@@ -245,14 +254,12 @@ class Menu:
         if pressed:
             self.dive.inspector.later(entry.act)
 
-    def _draw_thumbnail(self, scenario: Path, line: float) -> None:
-        """Draw the picture of a scenario at the left end of the last item; nothing without one."""
-        if scenario not in self._thumbnails:
-            pixels = read_thumbnail(scenario)
-            self._thumbnails[scenario] = (
-                None if pixels is None else self.dive.picture.upload(pixels)
-            )
-        texture = self._thumbnails[scenario]
+    def _draw_thumbnail(self, beside: Path, line: float) -> None:
+        """Draw the picture beside a file at the left end of the last item; nothing without one."""
+        if beside not in self._thumbnails:
+            pixels = read_thumbnail(beside)
+            self._thumbnails[beside] = None if pixels is None else self.dive.picture.upload(pixels)
+        texture = self._thumbnails[beside]
         if texture is None:
             return
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
@@ -267,7 +274,7 @@ class Menu:
     @property
     def _width(self) -> float:
         """The width of the entries of this page, in heights of letters."""
-        return WIDE + {"Scenario": THUMBNAIL[0], KEYS: MORE}.get(self.page, 0.0)
+        return WIDE + MORE.get(self.page, 0.0)
 
     def _seed_field(self, line: float) -> None:
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 0.7 * line)
@@ -287,6 +294,8 @@ class Menu:
             yield self._leads_to(marked("Display"), translated(DISPLAYS[picture.display]))
         if not self.kiosk:
             yield self._leads_to(marked("Quality"), translated(QUALITIES[picture.quality]))
+        if dive.logbook.wanted:
+            yield self._leads_to(LOGBOOK, self._met)
         yield self._leads_to(SETTINGS)
         if not dive.shared:
             yield self._leads_to(marked("Scenario"), translated(dive.scenario.title))
@@ -294,7 +303,61 @@ class Menu:
             yield Entry(translated("Full screen"), dive.window.toggle_fullscreen)
         yield Entry(translated("Help"), self._help)
         if not self.kiosk:
-            yield Entry(translated("Leave"), dive.window.ask_to_close)
+            first = any(dive.logbook.book.visit.values())
+            leave = partial(self._open_page, VISIT) if first else dive.window.ask_to_close
+            yield Entry(translated("Leave"), leave)
+
+    @property
+    def _met(self) -> str:
+        """How many subjects the logbook has."""
+        book = self.dive.logbook.book
+        return f"{len(book.entries)} / {sum(map(len, subjects(book.entries)))}"
+
+    def _logbook(self) -> Iterator[Entry]:
+        """Lead to the species and the behaviors, and save them as a page."""
+        book = self.dive.logbook.book
+        for title, names in zip((SPECIES, SEEN), subjects(book.entries), strict=True):
+            seen = sum(name in book.entries for name in names)
+            yield self._leads_to(title, f"{seen} / {len(names)}")
+        yield from self._save_page()
+        yield self._back()
+
+    def _subjects(self, title: str) -> Iterator[Entry]:
+        """List all species or behaviors, those not yet seen with a hint."""
+        book = self.dive.logbook.book
+        for name in subjects(book.entries)[title == SEEN]:
+            entry = book.entries.get(name)
+            about = hint_of(name) if entry is None else translated(entry.place)
+            day = translated(marked("not yet")) if entry is None else f"{entry.day:%Y-%m-%d}"
+            stay = partial(self._open_page, title)
+            yield Entry(title_of(name), stay, day, False, about, book.picture(name))
+        yield self._back()
+
+    def _visit(self) -> Iterator[Entry]:
+        """List what was seen for the first time in this visit, before leaving."""
+        book, nothing = self.dive.logbook.book, partial(self._open_page, VISIT)
+        for name, new in book.visit.items():
+            if new:
+                about = translated(book.entries[name].place)
+                yield Entry(title_of(name), nothing, "", False, about, book.picture(name))
+        yield from self._save_page()
+        yield Entry(translated("Leave"), self.dive.window.ask_to_close, chosen=True)
+        yield self._back()
+
+    def _save_page(self) -> Iterator[Entry]:
+        if not self.kiosk:
+            about = translated(marked("A file to print or to send, in your pictures."))
+            yield Entry(translated(marked("Save as a page")), self._write_page, about=about)
+
+    def _write_page(self) -> None:
+        dive, visit = self.dive, self.page == VISIT
+        book, folder = dive.logbook.book, pictures_folder(dive.preferences.settings.pictures.folder)
+        try:
+            path = write_page(book, folder, book.visit if visit else None)
+        except UserError as fault:
+            dive.note(str(fault))
+        else:
+            dive.note(f"page: {path}")
 
     def _leads_to(self, page: str, now: str = "") -> Entry:
         return Entry(translated(page), partial(self._open_page, page), now)

@@ -20,6 +20,7 @@ from PIL import ImageGrab
 from subsea.base.system import resource_path
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.dive.part import DivePart, planned
+from subsea.dive.settings import PictureSettings, Settings
 from subsea.dive.start import headless
 from subsea.dive.tick_source import LocalTicks
 from subsea.lab import benchmark
@@ -35,9 +36,9 @@ def dive_options(
 ) -> DiveOptions:
     """The planned options of a dive in one small window, the same every time."""
     display = DisplayOptions(size=size, quality=quality)
-    return planned(
-        DiveOptions(**{"scenario": str(scenario), "seed": 1, "display": display, **rest})
-    )
+    settings = Settings(pictures=PictureSettings(logbook=False))  # its notes would hide others
+    usual = {"scenario": str(scenario), "seed": 1, "display": display, "settings": settings}
+    return planned(DiveOptions(**(usual | rest)))
 
 
 class ShownOn(DivePart):
