@@ -26,7 +26,7 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "feed", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
-    "picture", "film", "mute", "louder", "quieter", "language", "recentre", "cue", "leave",
+    "picture", "photo", "film", "mute", "louder", "quieter", "language", "recentre", "cue", "leave",
 ]  # fmt: skip
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
@@ -82,6 +82,7 @@ CONTROLS: dict[ControlName, Control] = {
     "tick": Control("one tick further", (".",)),
     "rewind": Control("a second back", (",",)),
     "picture": Control("take a picture", ("F12",)),
+    "photo": Control("stop time to take pictures, and go on", ("O", "pad right thumb")),
     "film": Control("start a film, and end it", ("F10",)),
     "mute": Control("sound off, and on", ("M",)),
     "louder": Control("sound up", ("=",)),

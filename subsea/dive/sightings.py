@@ -211,10 +211,12 @@ def sightings(world: World, front: FrontView, alpha: float) -> Iterator[Sighting
     single = many[size[many] > LEAST_SHARE]
     for species in dict.fromkeys(fishes.species[single].tolist()):
         fish = int(single[fishes.species[single] == species][0])
-        yield Sighting(world.species[species].name, fish, *at[fish], size[fish])
+        x, y, large = float(at[fish, 0]), float(at[fish, 1]), float(size[fish])
+        yield Sighting(world.species[species].name, fish, x, y, large)
     for name, (_, _, shows, together) in BEHAVIORS.items():
         who = many if together else single
         showing = who[shows(world, who)] if len(who) else who
         if len(showing) >= (GROUP if together else 1):
             fish = int(showing[0])
-            yield Sighting(name, fish, *at[fish], 1.0 if together else size[fish])
+            x, y = float(at[fish, 0]), float(at[fish, 1])
+            yield Sighting(name, fish, x, y, 1.0 if together else float(size[fish]))

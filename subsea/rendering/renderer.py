@@ -35,6 +35,7 @@ from subsea.rendering.sea.particles import BubbleRenderer, LineRenderer, Particl
 from subsea.rendering.sea.seabed import SeabedRenderer, surroundings
 from subsea.rendering.sea.sunlight import LightShaftRenderer, SunShadows
 from subsea.rendering.sea.water import WaterRenderer
+from subsea.scenario.schema import Grade
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
@@ -176,6 +177,10 @@ class Renderer(GpuOwner):
             for batch, level in zip(batches, levels, strict=True):
                 batch.recall(level)
             self._make_target(before, self.quality)
+
+    def develop(self, grade: Grade) -> None:
+        """Develop the light of pictures by another grade from now on."""
+        self._resolve.grade = grade
 
     def draw(self, packet: Packet, into: Into = OWN) -> None:
         """Draw every view of a packet and resolve the canvas to the outputs.

@@ -8,6 +8,7 @@ from subsea.dive.options import RetinaColours
 from subsea.dive.ride import nearest_to_middle
 from subsea.dive.settings import Command, ControlName, key_words
 from subsea.dive.timeline import Timeline
+from subsea.ui.photo import WITH_PHOTO
 from subsea.view.front_screen import front_view
 from subsea.view.retina import Gaze
 from subsea.world.world import TICK_S
@@ -46,6 +47,7 @@ class Commands:
             "lights": self._toggle_lights,
             "feed": self._feed,
             "picture": dive.take_picture,
+            "photo": lambda: dive.photo.toggle(),
             "film": lambda: dive.shots.film(dive.window.size),
             "instruments": lambda: self._note_instruments(),
             "mute": lambda: dive.sound.mute(),
@@ -61,7 +63,12 @@ class Commands:
 
     def run(self, command: Command) -> None:
         """Run a command. While the menu is open only a few work."""
-        if self._dive.menu.open and command in ("menu", "alight"):
+        photo = self._dive.photo
+        if photo.open and command in ("menu", "alight"):
+            photo.back()
+        elif photo.open and command not in WITH_PHOTO:
+            return
+        elif self._dive.menu.open and command in ("menu", "alight"):
             self._dive.menu.back()
         elif command in self._functions and (not self._dive.menu.open or command in WITH_MENU):
             self._functions[command]()

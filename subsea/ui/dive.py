@@ -36,6 +36,7 @@ from subsea.ui.logbook_keeper import LogbookKeeper
 from subsea.ui.menu import Menu
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
+from subsea.ui.photo import PhotoMode
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences
 from subsea.ui.text_layer import TextLayer
@@ -109,6 +110,8 @@ class Dive:
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
             self.logbook = LogbookKeeper(self, settings.pictures.logbook, options.kiosk)
+            self.photo = PhotoMode(self)
+            undo.callback(self.photo.release)
             self.commands = Commands(self)
             self.text = TextLayer(self, settings)
             for part in self.parts:
@@ -179,7 +182,10 @@ class Dive:
 
     def take_picture(self) -> None:
         """Save a picture of the next frame."""
-        self.shots.wanted = True
+        if self.photo.open:
+            self.photo.take()
+        else:
+            self.shots.wanted = True
 
     def open_world(
         self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
@@ -202,6 +208,7 @@ class Dive:
         except UserError as fault:
             self.note_fault(str(fault))
             return False
+        self.photo.close()
         self.ride_fish(None)
         self._of_world.close()
         self.scenario, self.source = scenario, source
@@ -281,7 +288,8 @@ class Dive:
         picture, ride = self.picture, self.picture.ride
         picture.follow_pattern(self.tick_source.presented.pattern, self.overlay.help_hidden)
         picture.alpha = picture.alpha if alpha is None else alpha
-        last_eye, picture.eye = picture.eye, self.tick_source.eye()
+        eye = self.photo.eye(elapsed_s) if self.photo.open else self.tick_source.eye()
+        last_eye, picture.eye = picture.eye, eye
         if is_cut(last_eye, picture.eye, RATES[-1] * elapsed_s):
             picture.jump()
         if ride is not None:
@@ -294,6 +302,8 @@ class Dive:
             self._first.keep(self.window_set.picture())
             self._first = None
         self.logbook.look(elapsed_s)
+        if self.photo.open:
+            self.photo.expose()
         if not self.records_text:
             self._record(elapsed_s, self.subtitle)
         self.text.draw(elapsed_s)

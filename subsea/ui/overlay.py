@@ -83,6 +83,13 @@ class Overlay:
         elif self.help_opacity > 0.0:
             draw_brief(self.help, self.help_opacity)
 
+    def draw_note(self, dt: float) -> None:
+        """Draw the note alone, at the top of the picture, `dt` seconds after the last frame."""
+        self._note_s -= dt
+        if self._note_s > 0.0:
+            size, line = imgui.get_io().display_size, imgui.get_font_size()
+            draw_line(unbroken(self.note_text), size, 2.4 * line)
+
     def _fade(self, gone_cm: float, dt: float, away: bool) -> None:
         self._gone_cm += math.inf if away else gone_cm  # on a ride or tour counts as under way
         if self._gone_cm > MOVED_CM and not self._full:

@@ -26,6 +26,7 @@ from subsea.dive.ride import (
 )
 from subsea.frame.diagrams import DiagramBuilder, Label
 from subsea.frame.packet import Packet, make_scene, pack
+from subsea.media.exposure import Exposure
 from subsea.rendering.gl.id_buffer import FISH
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.rendering.output.quality import (
@@ -97,6 +98,7 @@ class ScenePicture:
         self.wireframe = display.wireframe  # draw edges of triangles
         self.bodies = True  # False: fishes are hidden, but not their diagrams
         self.labels: Sequence[Label] = ()  # of diagrams
+        self.lens: tuple[Exposure, int] | None = None  # and the number of a point on it
         self.viewports: tuple[TextViewport, ...]  # for text
         self._window_set, self._fixed, self._options = window_set, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
@@ -284,6 +286,8 @@ class ScenePicture:
     def views(self) -> tuple[View, ...]:
         """The views from the submarine, or from the ridden fish."""
         rig = self.rig if self.head is None else self.head.moved(self.rig)
+        if self.ride is None and self.lens is not None:
+            return self.lens[0].through_lens(views(rig, self._observer), self.lens[1])
         if self.ride is None:
             return views(rig, self._observer)
         return self.ride.views(self._world, rig, self.insets, self.alpha)
@@ -319,6 +323,18 @@ class ScenePicture:
         picked = pick(self.renderer, self._drawn, x, y)
         self._context.screen.use()  # text is still to be drawn over the picture
         return picked.number if picked is not None and picked.kind == FISH else None
+
+    def depth_at(self, x: float, y: float) -> float | None:
+        """Distance along the view, cm, of what is at a place as `fish_at`; None in open water."""
+        front_view = self.front_view
+        if self._drawn is None or front_view is None:
+            return None
+        picked = pick(self.renderer, self._drawn, x, y)
+        self._context.screen.use()
+        if picked is None or not np.isfinite(picked.place).all():
+            return None
+        ahead = -front_view.view.view[2, :3]
+        return float(ahead @ (picked.place - front_view.view.eye))
 
     def blacken(self, opacity: float) -> None:
         """Draw black over what was drawn so far."""

@@ -52,6 +52,11 @@ class TextLayer:
             return
         panel = picture.text_panel
         self._begin(panel)
+        if dive.photo.open:
+            dive.photo.draw()
+            overlay.draw_note(elapsed_s)
+            dive.gui.end()
+            return
         if panel is None:
             _draw_labels(picture.labels, picture.front_view)
         if not dive.menu.open:  # nor draw a caption behind the help

@@ -171,7 +171,7 @@ class ResolvePass(GpuOwner):
     ) -> None:
         """`smooth` smooths edges where a patch shows one eye; light is developed by `grade`."""
         super().__init__()
-        self._grade = grade
+        self.grade = grade
         self._context = context
         self._programs: dict[tuple[int, ...], Any] = {}  # by constants
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
@@ -234,9 +234,9 @@ class ResolvePass(GpuOwner):
             u_apart=patch.apart,
             u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
-            u_gain=gain(self._grade),
-            u_contrast=self._grade.contrast,
-            u_saturation=self._grade.saturation,
+            u_gain=gain(self.grade),
+            u_contrast=self.grade.contrast,
+            u_saturation=self.grade.saturation,
         )
         smooth = self._smooth and linear
         exact = patch.shape == Projection.FLAT and left[2:] == patch.place[2:] and not smooth
@@ -257,7 +257,7 @@ class ResolvePass(GpuOwner):
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
         masked = 0 if patch.mask is None else 1 + bool(np.any(patch.mask[..., 3]))
         mesh = patch.warp is not None
-        graded = linear and self._grade != UNGRADED
+        graded = linear and self.grade != UNGRADED
         key = tuple(
             map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom))
         )
