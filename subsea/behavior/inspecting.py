@@ -27,17 +27,16 @@ BOLDNESS_PURPOSE = np.int64(163)  # key of the random numbers
 
 
 @kernel
-def desire(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+def advance_inspections(
+    who: Ints, fishes: Fishes, minds: Minds, nature: Nature, clock: Clock
 ) -> None:
-    """EAGERNESS of bold fishes in company that see a calm predator, until they have been near it.
+    """Count the time of inspections, and afterwards of the rest as a negative number.
 
-    Count the time of the inspection, and afterwards of the rest as a negative number.
+    Bold fishes in company inspect a calm predator that they see, until they have been near it.
     """
     for i in who:
         spent = float(minds.inspection[i])
         if minds.kind[i] != PREY or (spent == 0.0 and minds.menace[i] <= 0.0):
-            out[i] = 0.0
             continue
         pause = float(minds.pause[i])
         if spent < 0.0:
@@ -47,7 +46,15 @@ def desire(
         elif spent > 0.0:
             spent = -RESTS_S
         minds.inspection[i] = spent
-        out[i] = EAGERNESS if spent > 0.0 else 0.0
+
+
+@kernel
+def desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """EAGERNESS of fishes that inspect a predator."""
+    for i in who:
+        out[i] = EAGERNESS if minds.kind[i] == PREY and minds.inspection[i] > 0.0 else 0.0
 
 
 @kernel

@@ -20,6 +20,7 @@ from subsea.base.files import make_own_folder
 from subsea.base.language import marked
 from subsea.base.source_stamp import source_stamp
 from subsea.base.system import cores
+from subsea.behavior import grazing
 from subsea.behavior.table import BEHAVIORS
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
@@ -27,6 +28,7 @@ from subsea.habitat.odour import carry_odours, make_odour, release_catches
 from subsea.habitat.stone import SUN
 from subsea.kernels.cache import processor, shipped_code, versions
 from subsea.perception.focusser import focus
+from subsea.perception.sites import reefers_of, see_sites
 from subsea.perception.smell import smell
 from subsea.scenario.load import load_scenario
 from subsea.sound.mixer import Mixer, SoundLevels
@@ -89,6 +91,10 @@ def _routines() -> None:
     for behavior in BEHAVIORS:
         behavior.routine(nobody, fishes, minds, sea, world.nature, CLOCK)
     step.act(world, nobody, np.arange(len(fishes.species)), NEUTRAL, CLOCK)
+    grazing.hold(fishes, minds, sea)  # this water has no stone to feed at
+    grazing.bite(fishes, minds, sea, CLOCK)
+    around = world.site_grids, reefers_of(fishes, minds)
+    see_sites(nobody, fishes, minds, sea, world.nature, CLOCK, *around)
 
 
 def _motion() -> None:

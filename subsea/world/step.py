@@ -14,6 +14,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior import biting, eating, grazing, hunting, schooling, steering
 from subsea.behavior.chasing import tire
 from subsea.behavior.courtship import ease_display
+from subsea.behavior.inspecting import advance_inspections
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
 from subsea.behavior.mental_state import update_mental_state
@@ -196,6 +197,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     hunting.advance_hunts(who, fishes, minds, clock)
     share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     share(update_moods, who, LEAST_MINDS, fishes, minds, nature, clock)
+    share(advance_inspections, who, LEAST_MINDS, fishes, minds, nature, clock)
     share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     share(choose_intention, free, LEAST_MINDS, minds, nature, *table)

@@ -10,6 +10,7 @@ from subsea.behavior.inspecting import (
     NEAREST,
     RESTS_S,
     act,
+    advance_inspections,
     desire,
     is_shy,
     undaunted_desire,
@@ -32,6 +33,12 @@ def school(tank):
     return t
 
 
+def _wants(t):
+    """Count the time, and return the desires."""
+    advance_inspections(np.arange(SHARK + 1), t.fishes, t.minds, t.nature, t.clock)
+    return t.desire(desire)
+
+
 def _bold(t):
     return np.flatnonzero([not is_shy(i, t.clock) for i in range(SHARK)])
 
@@ -39,7 +46,7 @@ def _bold(t):
 def test_a_few_fishes_are_bold(school):
     bold = _bold(school)
     assert 3 <= len(bold) <= 18
-    wants = school.desire(desire)
+    wants = _wants(school)
     np.testing.assert_array_equal(np.flatnonzero(wants), bold)
     assert wants[bold[0]] == np.float32(EAGERNESS)
 
@@ -58,12 +65,12 @@ def test_a_few_fishes_are_bold(school):
 def test_none_inspects_a_hunting_predator_or_one_that_has_noticed_it(school, change):
     bold = int(_bold(school)[0])
     change(school, bold)
-    assert school.desire(desire)[bold] == 0.0
+    assert _wants(school)[bold] == 0.0
 
 
 def test_it_comes_near_from_the_side_once_and_then_rests(school):
     bold = int(_bold(school)[0])
-    assert school.desire(desire)[bold] > 0.0
+    assert _wants(school)[bold] > 0.0
     act(np.array([bold]), *school)
     # Beside the predator at the distance where fear is still below f1.
     reach = 200.0 / (NEAREST * school.nature.panicked)
@@ -75,19 +82,19 @@ def test_it_comes_near_from_the_side_once_and_then_rests(school):
     school.fishes.position[bold] = 0.0, 450.0 - reach, -300.0
     act(np.array([bold]), *school)
     assert school.minds.inspection[bold] == INSPECTS_S
-    assert school.desire(desire)[bold] == 0.0
+    assert _wants(school)[bold] == 0.0
     assert school.minds.inspection[bold] == -RESTS_S
     school.minds.pause[bold] = RESTS_S
-    assert school.desire(desire)[bold] == 0.0
-    assert school.desire(desire)[bold] > 0.0  # rested
+    assert _wants(school)[bold] == 0.0
+    assert _wants(school)[bold] > 0.0  # rested
 
 
 def test_it_goes_on_above_f0_and_stays_with_a_school_on_an_errand(school):
     bold = int(_bold(school)[0])
     for fear, daunted in ((0.45, True), (0.6, False)):
         school.minds.mental[bold, FEAR] = fear
-        school.desire(desire)
+        _wants(school)
         assert (school.desire(undaunted_desire)[bold] == 0.0) == daunted
     school.minds.leader[bold], school.minds.errand[1] = 1, 0.5
-    assert school.desire(desire)[bold] == 0.0
+    assert _wants(school)[bold] == 0.0
     assert school.desire(undaunted_desire)[bold] == 0.0

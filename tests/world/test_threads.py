@@ -8,7 +8,7 @@ import pytest
 
 from subsea.base.system import resource_path
 from subsea.behavior import table
-from subsea.kernels.threads import use_threads
+from subsea.kernels.threads import _Pool, use_threads
 from subsea.perception import focusser, senses
 from subsea.perception import senses as scheduling
 from subsea.scenario.load import load_scenario
@@ -55,6 +55,14 @@ def test_the_number_of_threads_does_not_matter(small_parts, name):
     alone = _dive(name, 1)
     for threads in (2, 3, 16):
         assert _dive(name, threads) == alone
+
+
+@pytest.mark.parametrize("name", only(("open-ocean",), SCENARIOS))
+def test_the_order_of_parts_does_not_matter(small_parts, monkeypatch, name):
+    """A kernel that reads what other rows write in the same pass differs without any race."""
+    ordered = _dive(name, 3, 90, 10**6)
+    monkeypatch.setattr(_Pool, "run", lambda self, tasks: [task() for task in reversed(tasks)])
+    assert _dive(name, 3, 90, 10**6) == ordered
 
 
 @pytest.mark.nightly
