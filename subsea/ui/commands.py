@@ -168,7 +168,7 @@ class Commands:
         dive, picture = self._dive, self._dive.picture
         if picture.pattern or dive.shared:
             return
-        fish = self._dive.inspector.chosen if self._dive.inspector.open else None
+        fish = self._dive.inspector.chosen if self._dive.inspector.open else self._dive.card.fish
         if fish is None or (picture.ride is not None and picture.ride.by.fish == fish):
             fish = nearest_to_middle(dive.world, picture.views()[front_view(picture.rig)])
         if fish is not None:

@@ -29,6 +29,7 @@ from subsea.scenario.shoals import find_fish, with_total
 from subsea.scenario.storage import held
 from subsea.sound.space import at_rest
 from subsea.ui.commands import Commands
+from subsea.ui.fish_card import FishCard
 from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
@@ -110,7 +111,7 @@ class Dive:
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
             self.logbook = LogbookKeeper(self, settings.pictures.logbook, options.kiosk)
-            self.photo = PhotoMode(self)
+            self.photo, self.card = PhotoMode(self), FishCard(self)
             undo.callback(self.photo.release)
             self.commands = Commands(self)
             self.text = TextLayer(self, settings)
@@ -390,6 +391,7 @@ class Dive:
             self.sound.attend(world)
             self.picture.eye = self.tick_source.eye()
             self.inspector.reset()
+            self.card.clear()
             self._of_world = undo.pop_all()
 
     def _follow(self, settings: Settings) -> None:

@@ -1,4 +1,4 @@
-"""The help: a mouse with the functions of its parts, and the most important keys, as bound.
+"""The help: a mouse with the functions of its parts, and all keys in groups, as bound.
 
 A new visitor sees three lines of it in the upper left corner, which leave the sea free.
 """
@@ -10,13 +10,13 @@ from imgui_bundle import imgui
 
 from subsea.base.language import marked, translated
 from subsea.dive.settings import Bindings, ControlName, key_words
-from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_backing, draw_shadowed_text
+from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour, draw_backing, draw_shadowed_text
 
-WIDE, HIGH = 32.0, 18.8  # of the help, in heights of letters
-ROW = 1.38
-KEYS_X, WORDS_X = 17.0, 21.8  # left edges of the columns of keys and texts
+MOUSE_WIDE, MOUSE_HIGH = 15.5, 15.0  # of the mouse and its labels, in heights of letters
+COLUMNS = 2  # of keys at most
+ROW, GAP = 1.38, 0.5  # height of a line, and between two groups
 CAP = 1.15  # height of a key
-MARGIN = 0.7  # at the right of the longest text
+MARGIN = 0.8  # around all columns
 BRIEF_ROW, BRIEF_GAP = 1.5, 1.2  # of the three lines: height, and space between two parts
 ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (0.0, 1.0)}
 
@@ -26,23 +26,55 @@ BESIDE_MOUSE: dict[ControlName, str] = {
     "left": marked("left"), "right": marked("right"), "up": marked("nose up"),
     "down": marked("nose down"), "rise": marked("rise"), "dive": marked("dive"),
 }  # fmt: skip
-PAIRS: tuple[tuple[tuple[ControlName, ...], str], ...] = (
-    (("ahead", "astern"), marked("hold: ahead, back")),
-    (("left", "right"), marked("hold: turn")),
-    (("up", "down"), marked("hold: nose up, down")),
-    (("rise", "dive"), marked("hold: rise, dive")),
-    (("full stop",), marked("stop")),
-    (("ride",), marked("ride a fish")),
-    (("follow",), marked("follow a fish")),
-    (("reins",), marked("steer the fish")),
-    (("lights",), marked("lights")),
-    (("feed",), marked("feed the fishes")),
-    (("desk",), marked("panels")),
-    (("menu",), marked("menu")),
-    (("language",), marked("language")),
-    (("help",), marked("this help")),
-)
-GREETING: tuple[tuple[tuple[tuple[ControlName, ...], str], ...], ...] = (
+Pair = tuple[tuple[ControlName, ...], str]
+GROUPS: tuple[tuple[str, tuple[Pair, ...]], ...] = (
+    (marked("The helm"), (
+        (("ahead", "astern"), marked("hold: ahead, back")),
+        (("left", "right"), marked("hold: turn")),
+        (("up", "down"), marked("hold: nose up, down")),
+        (("rise", "dive"), marked("hold: rise, dive")),
+        (("full stop",), marked("stop")),
+        (("lights",), marked("lights")),
+        (("recentre",), marked("look straight ahead")),
+    )),
+    (marked("Fishes"), (
+        (("ride",), marked("ride a fish")),
+        (("follow",), marked("follow a fish")),
+        (("reins",), marked("steer the fish")),
+        (("look",), marked("what its eyes see")),
+        (("alight",), marked("leave the fish")),
+        (("feed",), marked("feed the fishes")),
+        (("desk",), marked("panels")),
+    )),
+    (marked("Time"), (
+        (("pause",), marked("stand still, go on")),
+        (("rewind",), marked("a second back")),
+        (("tick",), marked("one step on")),
+        (("slower", "faster"), marked("slower, faster")),
+    )),
+    (marked("Pictures"), (
+        (("picture",), marked("take a picture")),
+        (("photo",), marked("photo mode")),
+        (("film",), marked("begin and end a film")),
+        (("quality",), marked("quality")),
+        (("fullscreen",), marked("full screen")),
+        (("instruments",), marked("instruments")),
+        (("pattern",), marked("test pattern")),
+    )),
+    (marked("Sound"), (
+        (("mute",), marked("sound off, on")),
+        (("quieter", "louder"), marked("softer, louder")),
+    )),
+    (marked("More"), (
+        (("menu",), marked("menu")),
+        (("language",), marked("language")),
+        (("cue",), marked("next item of the show")),
+        (("help",), marked("this help")),
+        (("leave",), marked("end the dive")),
+    )),
+)  # fmt: skip
+"""All controls, by what they are for."""
+GREETING: tuple[tuple[Pair, ...], ...] = (
     ((("follow",), marked("follow a fish")), (("reins",), marked("steer it"))),
     ((("help",), marked("all keys")), (("menu",), marked("menu"))),
 )
@@ -73,7 +105,7 @@ class HelpContent(NamedTuple):
     wheel: str
     moving: str
     both: str
-    rows: tuple[Row, ...]
+    groups: tuple[tuple[str, tuple[Row, ...]], ...]  # titles, and controls that have keys
     brief: tuple[tuple[Row, ...], ...]  # lines for a new visitor
 
 
@@ -95,7 +127,7 @@ def help_content(
     if left == "ahead" and steers:
         first = [Row((), translated("point where to look, hold the left button to go there"))]
     else:
-        first = _rows(bindings, (PAIRS[0], PAIRS[1]), without)
+        first = _rows(bindings, GROUPS[0][1][:2], without)
     greeting = [first, *(_rows(bindings, line, without) for line in GREETING)]
     if worn:
         greeting = [[Row((), translated(line))] for line in WORN]
@@ -106,14 +138,18 @@ def help_content(
         translated(wheel).format(action=translated(middle)),
         translated("move: look and turn") if steers else "",
         translated("hold both and move: rise, dive") if lifts else "",
-        tuple(_rows(bindings, PAIRS, without)),
+        tuple(
+            (translated(title), tuple(rows))
+            for title, pairs in GROUPS
+            if (rows := _rows(bindings, pairs, without))
+        ),
         tuple(tuple(line) for line in greeting if line),
     )
 
 
 def _rows(
     bindings: Bindings,
-    pairs: Sequence[tuple[tuple[ControlName, ...], str]],
+    pairs: Sequence[Pair],
     without: Sequence[ControlName],
 ) -> list[Row]:
     """The rows of controls that have keys, and are available."""
@@ -149,36 +185,69 @@ def _part_width(row: Row, line: float) -> float:
 
 
 def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
-    """Draw it at the right of the current frame, its lower edge at `foot`."""
-    size = imgui.get_io().display_size
-    words_x, wide = help_columns(content, imgui.get_font_size())
-    line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (wide + 2.4))
+    """Draw it in the middle of the current frame, its lower edge at `foot` or higher."""
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    columns = columns_of(content.groups)
+    widths = [column_width(column, line) for column in columns]
+    high = max([MOUSE_HIGH, *(_rows_high(column) for column in columns)]) + 2.0 * MARGIN
+    wide = MOUSE_WIDE + sum(words for _, words in widths) + MARGIN
+    line = min(line, foot / (high + 1.0), size.x / (wide + 1.0))
     if line < 1.0:
         return  # the window is too small for any letter
     canvas = imgui.get_background_draw_list()
-    x, y = size.x - (wide + 1.2) * line, foot - HIGH * line
+    x, y = (size.x - wide * line) / 2, max((foot - high * line) / 2, 0.5 * line)
     canvas.add_rect_filled(
-        (x, y), (x + wide * line, foot), colour(GLASS, 0.62 * opacity), 0.6 * line
+        (x, y), (x + wide * line, y + high * line), colour(GLASS, 0.72 * opacity), 0.6 * line
     )
-    _mouse(canvas, content, x + 8.0 * line, y + 0.3 * line, line, opacity)
-    top = y + (HIGH - ROW * len(content.rows)) / 2 * line
-    for number, row in enumerate(content.rows):
-        high, at = top + (ROW * number + (ROW - CAP) / 2) * line, x + KEYS_X * line
-        for key in row.keys:
-            at += _cap(canvas, key, at, high, line, opacity) + 0.3 * line
-        words = x + words_x * line, high + (CAP - 1.0) / 2 * line
-        draw_shadowed_text(words, row.what, line, INK, opacity)
+    _mouse(canvas, content, x + MOUSE_WIDE / 2 * line, y + MARGIN * line, line, opacity)
+    left = x + MOUSE_WIDE * line
+    for column, (keys, words) in zip(columns, widths, strict=True):
+        top = y + MARGIN * line
+        for title, rows in column:
+            draw_shadowed_text((left, top), title, line, MARK, opacity)
+            top += ROW * line
+            for row in rows:
+                at = left
+                for key in row.keys:
+                    at += _cap(canvas, key, at, top, line, opacity) + 0.3 * line
+                place = left + keys * line, top + (CAP - 1.0) / 2 * line
+                draw_shadowed_text(place, row.what, line, INK, opacity)
+                top += ROW * line
+            top += GAP * line
+        left += words * line
 
 
-def help_columns(content: HelpContent, line: float) -> tuple[float, float]:
-    """Measure the left edge of the texts and the width of the help, in heights of letters.
+Group = tuple[str, tuple[Row, ...]]
+
+
+def columns_of(groups: Sequence[Group]) -> list[list[Group]]:
+    """Divide groups, in their order, among COLUMNS columns of about equal height."""
+    most = max((1 + len(rows) for _, rows in groups), default=1)
+    while True:
+        columns: list[list[Group]] = [[]]
+        for group in groups:
+            if columns[-1] and _rows_high([*columns[-1], group]) > ROW * most:
+                columns.append([])
+            columns[-1].append(group)
+        if len(columns) <= COLUMNS:
+            return columns
+        most += 1
+
+
+def _rows_high(column: Sequence[Group]) -> float:
+    """Height of a column, in heights of letters."""
+    return sum(ROW * (1 + len(rows)) + GAP for _, rows in column) - GAP
+
+
+def column_width(column: Sequence[Group], line: float) -> tuple[float, float]:
+    """Measure where the texts of a column begin, and its width, in heights of letters.
 
     Long names of keys and long texts of a language make it wider.
     """
-    keys = (sum(_cap_width(key, line) + 0.3 * line for key in row.keys) for row in content.rows)
-    words_x = max(WORDS_X, KEYS_X + max(keys, default=0.0) / line)
-    texts = (float(imgui.calc_text_size(row.what).x) for row in content.rows)
-    return words_x, max(WIDE, words_x + max(texts, default=0.0) / line + MARGIN)
+    rows = [row for _, rows in column for row in rows]
+    keys = max(sum(_cap_width(key, line) + 0.3 * line for key in row.keys) for row in rows)
+    texts = max(float(imgui.calc_text_size(row.what).x) for row in rows)
+    return keys / line + 0.3, (keys + texts) / line + 0.3 + 2.0 * MARGIN
 
 
 def _mouse(

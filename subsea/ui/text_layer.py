@@ -83,6 +83,9 @@ class TextLayer:
                     opacity = edge.opacity * (1.0 - overlay.covered)
                     draw_sea_edge(edge._replace(opacity=opacity))
                 dive.inspector.draw()
+            free = at_helm and not dive.menu.open and not dive.inspector.open
+            dive.card.update(elapsed_s, free and overlay.covered == 0.0 and panel is None)
+            dive.card.draw()
             dive.tours.draw()
         elif panel is not None:  # other computers show parts of it
             now = instrument_reading(dive.world.state.submarine, 0.0, False)

@@ -4,8 +4,17 @@ import pytest
 from imgui_bundle import imgui
 
 from subsea.base.language import LANGUAGES, japanese_font, latin_font, set_language
-from subsea.dive.settings import Settings, key_words
-from subsea.ui.help_overlay import KEYS_X, MARGIN, Row, help_columns, help_content
+from subsea.dive.settings import CONTROLS, USUAL, Settings, is_key, key_words
+from subsea.ui.help_overlay import (
+    COLUMNS,
+    GROUPS,
+    MARGIN,
+    MOUSE_WIDE,
+    Row,
+    column_width,
+    columns_of,
+    help_content,
+)
 
 LINE = 18.0
 
@@ -32,16 +41,40 @@ def letters():
         imgui.set_current_context(before)
 
 
-def test_every_line_is_in_its_box(letters):
+def test_every_line_is_in_its_column(letters):
     for code in LANGUAGES:
         set_language(code)
-        content = help_content(Settings().bindings)
-        words_x, wide = help_columns(content, LINE)
-        for row in content.rows:
-            assert words_x + imgui.calc_text_size(row.what).x / LINE <= wide - MARGIN + 1e-6
-        assert wide < 640 / LINE - 2.4  # letters keep their size
-    long = content._replace(rows=(Row(("Ctrl+PageUp", "Ctrl+PageDown"), "words"),))
-    assert help_columns(long, LINE)[0] > KEYS_X + 10.0
+        columns = columns_of(help_content(Settings().bindings).groups)
+        assert 1 < len(columns) <= COLUMNS
+        wide = MOUSE_WIDE + MARGIN
+        for column in columns:
+            words_x, column_wide = column_width(column, LINE)
+            for _, rows in column:
+                for row in rows:
+                    texts = imgui.calc_text_size(row.what).x / LINE
+                    assert words_x + texts <= column_wide - MARGIN + 1e-6
+            wide += column_wide
+        assert wide < 1280 / LINE - 1.0  # letters keep their size
+    usual = column_width(columns[0], LINE)[0]
+    long = [("Keys", (Row(("Ctrl+PageUp", "Ctrl+PageDown"), "words"),))]
+    assert column_width(long, LINE)[0] > usual + 3.0
+
+
+def test_it_has_every_control_that_has_a_key():
+    shown = [control for _, pairs in GROUPS for controls, _ in pairs for control in controls]
+    assert sorted(shown) == sorted(CONTROLS)  # each once
+    content = help_content(Settings().bindings)
+    keys = sum(len(row.keys) for _, rows in content.groups for row in rows)
+    with_keys = [name for name in CONTROLS if any(map(is_key, USUAL.inputs(name)))]
+    assert keys == len(with_keys)
+
+
+def test_columns_keep_the_order_of_groups():
+    groups = [(str(k), (Row((), "words"),) * rows) for k, rows in enumerate((7, 7, 4, 6, 2, 4))]
+    columns = columns_of(groups)
+    assert [group for column in columns for group in column] == groups
+    heights = [sum(1 + len(rows) for _, rows in column) for column in columns]
+    assert max(heights) < 0.7 * sum(heights)
 
 
 def test_keys_have_the_names_of_a_visitors_keyboard():
