@@ -11,7 +11,7 @@ import math
 from copy import copy, deepcopy
 
 from subsea.dive.settings import DEFAULTS, Action, Settings
-from subsea.submarine.vessel import Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose
 from subsea.world.step import steer
@@ -69,6 +69,7 @@ class Pilot:
         self._stopped: dict[str, float] = {}  # inputs that were held when a full stop began
         self.throttle = 0.0  # set with the wheel: share of full thrust in [-1, 1]
         self.stopping = False  # True during a full stop
+        self.passive = False  # True while nobody may steer
         self.riding = False  # True while inputs turn the gaze of a ridden fish
         self._grip = 0.0
         self._smooth = Helm()
@@ -159,6 +160,8 @@ class Pilot:
 
     def helm(self, dt: float) -> Helm:
         """The submarine's helm for the next `dt` seconds."""
+        if self.passive:
+            return NEUTRAL
         if self.riding:
             self._smooth = Helm(full_stop=True)
             return self._smooth

@@ -332,6 +332,10 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     size: Annotated[
         tuple[Pixels, Pixels], Meta(description="of the window: width and height in pixels")
     ] = (1280, 720)
+    introduction: Annotated[
+        Literal["full", "short", "off"],
+        Meta(description="how a dive begins: full (short for those who return), short or off"),
+    ] = "full"
     language: Annotated[
         Literal["auto", "en", "de", "es", "fr", "ja"],
         Meta(description="of what visitors read: auto (as the desktop), en, de, es, fr or ja"),
@@ -358,6 +362,9 @@ class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     cue: Annotated[str, Meta(description="the operator's key to the next item of a show")] = (
         "Ctrl+Shift+N"
     )
+    prompts: Annotated[
+        bool, Meta(description="whether prompts tell each visitor what to do first")
+    ] = False
     volume: Annotated[
         float, Meta(ge=0, le=1, description="0 to 1: of the sound, instead of `sound.volume`")
     ] = 0.6

@@ -33,6 +33,7 @@ from subsea.ui.fish_card import FishCard
 from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
+from subsea.ui.introduction import Introduction
 from subsea.ui.logbook_keeper import LogbookKeeper
 from subsea.ui.menu import Menu
 from subsea.ui.open_windows import Opening, open_windows
@@ -111,6 +112,7 @@ class Dive:
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
             self.logbook = LogbookKeeper(self, settings.pictures.logbook, options.kiosk)
+            self.introduction = Introduction(self)
             self.photo, self.card = PhotoMode(self), FishCard(self)
             undo.callback(self.photo.release)
             self.commands = Commands(self)
@@ -136,7 +138,19 @@ class Dive:
             undo.callback(self.inspector.close)
             for part in self.parts:
                 part.begin(self)
+            self._introduce(options)
             self._undo = undo.pop_all()
+
+    def _introduce(self, options: DiveOptions) -> None:
+        """Begin with an introduction, unless something else steers, or the settings say no."""
+        settings, start = options.settings, options.start
+        wanted = settings.display.introduction
+        elsewhere = self.shared or not self.tick_source.has_pilot or self.kiosk
+        elsewhere = elsewhere or self.tours.timer.touring or self.picture.head is not None
+        if elsewhere or start.follow or start.eyes or start.pace is not None or wanted == "off":
+            return
+        returns = bool(self.logbook.book.entries)
+        self.introduction.begin(short=returns or wanted == "short")
 
     @property
     def timeline(self) -> Timeline | None:
@@ -171,6 +185,8 @@ class Dive:
     def caption(self) -> Caption:
         """The caption of this picture: of presenter or show, else of the directions."""
         shown = self.tick_source.presented
+        if self.introduction.active:
+            return self.introduction.caption
         if shown.caption:
             return Caption(shown.caption, shown.opacity)
         return caption_of(self.world, self.picture.alpha)
@@ -210,6 +226,7 @@ class Dive:
             self.note_fault(str(fault))
             return False
         self.photo.close()
+        self.introduction.end()
         self.ride_fish(None)
         self._of_world.close()
         self.scenario, self.source = scenario, source
@@ -260,7 +277,10 @@ class Dive:
 
     def _frame(self, elapsed_s: float) -> None:
         start = time.perf_counter()
-        for command in self.window_set.poll():
+        commands = self.window_set.poll()
+        if commands or self.pilot.held:
+            self.introduction.skip()
+        for command in commands:
             self.run_command(command)
         if not self.window_set.open:
             return
@@ -275,6 +295,7 @@ class Dive:
             return
         self._set_overlays()
         self.tours.update(elapsed_s)
+        self.introduction.update(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # arrows choose entries there
         if self.see_brightness:

@@ -55,6 +55,8 @@ class IdleTours:
         if what == "end":
             ticks.set_tour(None)
             dive.overlay.greet()
+            if dive.kiosk and dive.preferences.settings.kiosk.prompts:
+                dive.introduction.prompt()
         elif what == "begin" or self._directions_over:
             self.begin()
 
@@ -63,6 +65,7 @@ class IdleTours:
         dive = self._dive
         self._visited = False
         dive.logbook.book.forget_visit()
+        dive.introduction.end()
         self._close_panels()
         if self._starts_over:
             dive.preferences.restore()

@@ -86,6 +86,8 @@ class TextLayer:
             free = at_helm and not dive.menu.open and not dive.inspector.open
             dive.card.update(elapsed_s, free and overlay.covered == 0.0 and panel is None)
             dive.card.draw()
+            if not dive.menu.open and not dive.inspector.open and overlay.covered == 0.0:
+                dive.introduction.draw()
             dive.tours.draw()
         elif panel is not None:  # other computers show parts of it
             now = instrument_reading(dive.world.state.submarine, 0.0, False)

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any, Self
 
 import glfw
+import msgspec
 import numpy as np
 import pytest
 from imgui_bundle import imgui
@@ -20,7 +21,7 @@ from PIL import ImageGrab
 from subsea.base.system import resource_path
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.dive.part import DivePart, planned
-from subsea.dive.settings import PictureSettings, Settings
+from subsea.dive.settings import DisplaySettings, PictureSettings, Settings
 from subsea.dive.start import headless
 from subsea.dive.tick_source import LocalTicks
 from subsea.lab import benchmark
@@ -28,17 +29,23 @@ from subsea.media import eye_frames, film
 from subsea.rendering.output.quality import PRESETS
 from tools.monkey import virtual_display
 
+# Neither notes of the logbook, which would hide others, nor a tour at the beginning.
+QUIET = Settings(
+    pictures=PictureSettings(logbook=False), display=DisplaySettings(introduction="off")
+)
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
 
 
 def dive_options(
-    scenario: object, size: tuple[int, int], quality: str = "auto", **rest: Any
-) -> DiveOptions:
+    scenario: object, size: tuple[int, int], quality: str = "auto", introduction: str = "off",
+    **rest: Any,
+) -> DiveOptions:  # fmt: skip
     """The planned options of a dive in one small window, the same every time."""
     display = DisplayOptions(size=size, quality=quality)
-    settings = Settings(pictures=PictureSettings(logbook=False))  # its notes would hide others
-    usual = {"scenario": str(scenario), "seed": 1, "display": display, "settings": settings}
-    return planned(DiveOptions(**(usual | rest)))
+    usual = {"scenario": str(scenario), "seed": 1, "display": display, "settings": QUIET} | rest
+    shown = msgspec.structs.replace(usual["settings"].display, introduction=introduction)
+    usual["settings"] = msgspec.structs.replace(usual["settings"], display=shown)
+    return planned(DiveOptions(**usual))
 
 
 class ShownOn(DivePart):

@@ -11,6 +11,7 @@ from subsea.ui.dive import Dive
 from subsea.view.display_rigs import DISPLAYS
 from subsea.view.front_screen import TextViewport
 from subsea.view.stereo import PAGED
+from tests.support.windows import QUIET
 
 SIZE = (640, 400)
 SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]
@@ -34,7 +35,7 @@ def windows(display, user, quiet, coarse):
         return user.screen(running)
 
     options = DisplayOptions("mono", SIZE, quality=coarse)
-    with closing(Dive(DiveOptions(quiet, seed=1, display=options))) as running:
+    with closing(Dive(DiveOptions(quiet, seed=1, display=options, settings=QUIET))) as running:
         running.overlay.show_help()
         running.frame(0.1)
         draw = running.overlay.draw
@@ -99,7 +100,7 @@ def test_the_window_shows_what_the_mode_is_for(windows, mode):
 
 def test_the_pointer_is_drawn_for_each_eye_while_panels_take_it(display, user, quiet, coarse):
     options = DisplayOptions("side-by-side", SIZE, quality=coarse)
-    with closing(Dive(DiveOptions(quiet, seed=1, display=options))) as running:
+    with closing(Dive(DiveOptions(quiet, seed=1, display=options, settings=QUIET))) as running:
         running.overlay.draw = lambda *rest: None
         running.inspector.toggle()
         running.tick_source.advance = lambda elapsed_s: 1.0  # paused time

@@ -10,6 +10,7 @@ from subsea.stage.headset import display as headset_display
 from subsea.stage.parts import HeadsetPart, KioskPart
 from subsea.ui.dive import Dive
 from tests.support.headset import FakeHeadset
+from tests.support.windows import QUIET
 
 SIZE = (320, 240)
 
@@ -17,7 +18,8 @@ SIZE = (320, 240)
 def start(scenario, display="headset", kiosk=False):
     options = DisplayOptions(display, SIZE, quality="low")
     parts = [*[HeadsetPart()] * (display == "headset"), *[KioskPart()] * kiosk]
-    return Dive(planned(DiveOptions(str(scenario), seed=1, display=options, parts=parts)))
+    made = DiveOptions(str(scenario), seed=1, display=options, parts=parts, settings=QUIET)
+    return Dive(planned(made))
 
 
 @contextmanager
