@@ -15,7 +15,7 @@ from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 BOLD = 0.15  # share of fishes that inspect
-CALM_BL_S = 0.8  # a predator that is faster, in its lengths per second, is not inspected
+INSPECTED_BL_S = 0.8  # a predator that is faster, in its lengths per second, is not inspected
 NOTICED_COS = np.cos(np.radians(40.0))  # cosine of the angle before it in which it notices a fish
 UNSHAKEN_S = 10.0  # time since its last start before a fish inspects
 EAGERNESS = 0.9  # desire to inspect: more than to close ranks, less than to flee an attack
@@ -72,7 +72,7 @@ def may_inspect(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clo
         return False
     if minds.startled[i] < UNSHAKEN_S or is_shy(i, clock):
         return False
-    if norm(vector(fishes.velocity[j])) > CALM_BL_S * fishes.length[j]:
+    if norm(vector(fishes.velocity[j])) > INSPECTED_BL_S * fishes.length[j]:
         return False
     toward = minus(vector(fishes.position[i]), vector(fishes.position[j]))
     return dot(toward, x_axis(fishes.orientation[j])) < NOTICED_COS * norm(toward)
