@@ -71,7 +71,7 @@ def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clock)
     if minds.led[i] or minds.errand[school] > 0.0:
         return alarm
     rest = minds.rules[minds.school_rule[i], REST]
-    stays = 1.0 - activity(i, school, rest, float(fishes.identity[i]), clock)
+    stays = 1.0 - travel_drive(i, school, rest, float(fishes.identity[i]), clock)
     return alarm - (1.0 - alarm) * stays
 
 
@@ -102,7 +102,7 @@ def travels(minds: Minds, i: int) -> float:
 
 
 @kernel
-def activity(i: int, school: int, rest: float, identity: float, clock: Clock) -> float:
+def travel_drive(i: int, school: int, rest: float, identity: float, clock: Clock) -> float:
     """Share of the way from staying, 0, to full travel, 1, of fish i in a school.
 
     A school draws it again every REST_S.
