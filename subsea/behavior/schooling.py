@@ -121,7 +121,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """Swim with the neighbours, and around obstacles, or follow the leader."""
     for i in who:
         if minds.led[i]:
-            follow_leader(i, fishes, minds, sea, nature, clock)
+            follow_leader(i, fishes, minds, sea, clock)
         else:
             swim_along(i, fishes, minds, sea, nature, clock)
 
