@@ -10,8 +10,8 @@ from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, hidden, sees_fish, sight
-from subsea.state import ESCAPE, HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
-from subsea.state.wants import TEMPTING
+from subsea.state import ESCAPE, PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state.wants import takes_scattered
 
 PREY_CELL_CM = 100.0
 WALL_BL = 2.5  # distance of food from the wall, for fishes that turn in wide arcs
@@ -47,7 +47,7 @@ def perceive_plankton(
         mouth, foods = eye_of(fishes, i), minds.foods[i]
         guess = farthest(sea.plankton, mouth, foods)
         foods[:] = -1
-        if len(scattered.member) > 0 and minds.mental[i, HUNGER] > TEMPTING * nature.keen:
+        if len(scattered.member) > 0 and takes_scattered(minds, i, nature):
             nearest(scattered, mouth, nature.smell_cm, -1, foods, gaps, nature.smell_cm)
             _forget_unfit(fishes, minds, i, sea, gaps)
             if foods[0] >= 0:
