@@ -13,6 +13,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.schools import known_by
 
 BOLD = 0.15  # share of fishes that inspect
 INSPECTED_BL_S = 0.8  # a predator that is faster, in its lengths per second, is not inspected
@@ -66,7 +67,7 @@ def may_inspect(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clo
     j = int(minds.predator[i])
     if j < 0 or not minds.schools[i] or minds.neighbour[i, 0] < 0:
         return False
-    if minds.errand[i] > 0.0 or (minds.leader[i] >= 0 and minds.errand[minds.leader[i]] > 0.0):
+    if minds.errand[i] > 0.0 or minds.errand[known_by(minds, i)] > 0.0:
         return False
     if minds.mental[i, FEAR] <= 0.5 * nature.alarmed or minds.menace[i] >= nature.panicked:
         return False

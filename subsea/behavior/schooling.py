@@ -35,6 +35,7 @@ from subsea.state.school_rules import (
     SEPARATION,
     SEPARATION_BL,
 )
+from subsea.state.schools import known_by
 
 LAYER = 0.65  # factor on vertical distances: the nearest neighbour is at nearly the same depth
 FLEE = 1.2  # weight of the way from a predator
@@ -91,12 +92,6 @@ def alarmed_desire(
         afraid = minds.kind[i] == PREY and fear > nature.alarmed
         calm_enough = minds.menace[i] < nature.panicked
         out[i] = fear if afraid and calm_enough and has_school(minds, i, now) else 0.0
-
-
-@kernel
-def known_by(minds: Minds, i: int) -> int:
-    """The fish by which the school of fish i is known, or i itself without a school."""
-    return int(minds.leader[i]) if minds.leader[i] >= 0 else i
 
 
 @kernel
@@ -323,6 +318,6 @@ def join_schools(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
             if j < 0:
                 break
             if alive[j] and minds.schools[j]:
-                minds.leader[i] = minds.leader[j] if minds.leader[j] >= 0 else j
+                minds.leader[i] = known_by(minds, j)
                 minds.leads[minds.leader[i]] = True
                 break
