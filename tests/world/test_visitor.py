@@ -7,7 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from subsea.geometry.rotation import x_axis
-from subsea.lab.schooling import _spread
+from subsea.lab.schooling import spread
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import HULL_CM, SUBMARINE
@@ -61,7 +61,7 @@ def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
         if tick % 10 == 0:
             nearest = min(nearest, gaps(world).min())
             place, length = fishes.position.astype(np.float64), fishes.length.astype(np.float64)
-            together = max(together * (tick > 90), _spread(place, length, 6.0)[1])
+            together = max(together * (tick > 90), spread(place, length, 6.0)[1])
     assert nearest > 0.0  # none touches the hull
     assert together > 0.9  # of the fishes, at once within 20 s
 
