@@ -11,12 +11,12 @@ from subsea.behavior.chasing import chase
 from subsea.behavior.manoeuvring import careful, scull, steer
 from subsea.geometry.vector import ZERO, Vector, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import BATHES, RUBBLE, TURF, Clock, Fishes, Minds, Sea
+from subsea.state import BATHES, MATE, RUBBLE, TURF, Clock, Fishes, Minds, Sea
 
 LAYS_S = 20.0  # how long she is on her nest
 NEST_CM = 120.0  # farthest nest from the anemone
 UPRIGHT = 0.5  # least upward component of the normal of stone that bears a nest
-NEAR_BL, ON_BL = 3.0, 1.0  # distances from it at which they slow down, and are on it
+NEAR_CM, ON_BL = 60.0, 1.0  # distances from it at which they come down to it, and are on it
 SLACK_CM = 3.0  # depth below the nest that a body may reach
 LOOP_BL, LOOP_HZ = 0.35, 0.11  # radius of the loop of her passes; loops per second
 BEHIND_RAD = 1.9  # how far he is behind her on this loop
@@ -52,12 +52,13 @@ def lay(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock, i: int, nest: int)
     spot = _on_loop(fishes, minds, sea, clock, i, nest)
     toward = minus(spot, vector(fishes.position[i]))
     far = norm(toward)
-    if far > NEAR_BL * length:
+    if far > NEAR_CM:
         chase(fishes, minds, i, spot, ZERO)
         return
     fishes.close[i], fishes.shell[i] = True, sea.site_depth[nest] + SLACK_CM
     if far < ON_BL * length:
         minds.courtship_count[i] += minds.pause[i]
+        minds.fatigue[MATE, i] = 0.0
     quick = min(CREEPS + 0.5 * max(far / length - ON_BL, 0.0), HURRIES)
     fishes.goal_speed[i] = quick * careful(steer(fishes, minds, i, toward))
     scull(fishes, i, toward, HOLDS_BL_S)

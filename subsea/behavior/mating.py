@@ -51,7 +51,9 @@ def desire(
         if minds.kind[i] != PACIFIST:
             continue
         if minds.partner[i] != NOBODY:
-            if libido > STILL_KEEN * nature.keen:
+            if minds.courtship[i] == SPAWNING:
+                out[i] = 1.0  # it sees this through
+            elif libido > STILL_KEEN * nature.keen:
                 out[i] = max(libido, DEVOTED * nature.keen)
             continue
         rested = clock.tick * clock.dt - minds.last_mating[i] > REST_S
