@@ -25,9 +25,15 @@ def hunt(request, hunts):
     return hunts[request.param]
 
 
+def sea_of_prey(seed):
+    """`preying` without its seaweed, which is slow, and irrelevant here."""
+    scenario = load_scenario("preying", ["seaweed=[]"]).scenario
+    return create_world(scenario, seed=seed)
+
+
 def twelve_seconds(seed):
     """Of `preying`: the world, targets of the hunter, and fear and intentions."""
-    world = create_world(load_scenario("preying")[0], seed=seed)
+    world = sea_of_prey(seed)
     target, fear, intention = [], [], []
     for _ in range(370):
         step(world, NEUTRAL)
@@ -49,7 +55,7 @@ def test_the_hunter_patrols_first_and_then_hunts_prey(hunt):
 def test_some_prey_before_the_hunter_is_caught_and_some_escapes():
     caught = []
     for seed in range(1, 4):
-        world = create_world(load_scenario("preying")[0], seed=seed)
+        world = sea_of_prey(seed)
         fishes, minds = world.state.fishes, world.state.minds
         step(world, NEUTRAL)
         minds.lull[0] = 0.0

@@ -110,7 +110,9 @@ def test_dislike_ranks_above_calm_schooling_and_a_school_leaves_together(tank):
 
 @pytest.mark.parametrize("seed", only([3], range(3, 13)))
 def test_fishes_of_the_twilight_slope_sort_themselves_and_stay(seed):
-    world = create_world(load_scenario("twilight").scenario, seed=seed)
+    world = create_world(
+        load_scenario("twilight", ["water.plankton=0", "seaweed=[]"]).scenario, seed=seed
+    )
     fishes, minds = world.state.fishes, world.state.minds
     content = []
     for tick in range(round(75.0 / TICK_S)):

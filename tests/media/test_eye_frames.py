@@ -255,6 +255,7 @@ def test_a_film_tells_the_light_that_its_fish_sees(tmp_path, seen):
     assert lit == pytest.approx(ahead, abs=0.1)
 
 
+@pytest.mark.nightly
 def test_the_light_depends_on_the_dive_alone_and_not_on_how_it_is_filmed(tmp_path):
     """Levels of detail of a film with larger pictures, or another gaze, do not change it."""
     lights = []

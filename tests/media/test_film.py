@@ -267,7 +267,7 @@ def test_television_rates_are_exact(tmp_path):
 
 @pytest.mark.parametrize(
     ("display", "fps"),
-    only([RATES[0], RATES[3]], RATES),
+    only(RATES[:1], RATES),
 )
 def test_the_same_command_gives_the_same_film(tmp_path, display, fps):
     arguments = [*SEA, "--display", display, "--size", "64x64", "--seconds", "0.1", "--seed", "1"]
@@ -368,7 +368,10 @@ def test_a_film_may_begin_later(tmp_path):
         assert np.abs(one - two).mean() < 0.2  # except fishes that change their level of detail
 
 
-@pytest.mark.parametrize(("module", "more"), [(film, []), (eye_frames, ["--eyes", "0"])])
+@pytest.mark.parametrize(
+    ("module", "more"),
+    [(film, []), pytest.param(eye_frames, ["--eyes", "0"], marks=pytest.mark.nightly)],
+)
 def test_frame_times_exclude_ticks_before_the_film(tmp_path, monkeypatch, module, more):
     made, told = [], []
 

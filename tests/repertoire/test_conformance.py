@@ -197,7 +197,7 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species, p
             assert repertoire.provenance["warm_up_beats"][name] == beats
 
 
-@pytest.mark.parametrize("turn", only(("turn_left_sharp", "cstart_left_wide"), TURNS))
+@pytest.mark.parametrize("turn", only(("cstart_left_wide",), TURNS))
 def test_the_search_for_a_turn_finds_that_of_the_file(turn):
     """Of one fish that is quickly searched; the code that searches is part of every file."""
     repertoire = repertoire_of("hardyhead_silverside")

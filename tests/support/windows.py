@@ -24,6 +24,8 @@ from subsea.dive.start import headless
 from subsea.dive.tick_source import LocalTicks
 from subsea.lab import benchmark
 from subsea.media import eye_frames, film
+from subsea.rendering.fish import atlas
+from subsea.rendering.gl import textures
 from subsea.rendering.output.quality import PRESETS
 from tools.monkey import virtual_display
 
@@ -220,8 +222,15 @@ def one_context() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def coarse() -> Iterator[str]:
     """Quality for windows whose sea is not examined: "low" with a sixteenth of the pixels."""
+    make = textures.mipmapped
+
+    def largest_only(context: Any, texels: Any, last: int = 0, srgb: bool = False) -> Any:
+        return make(context, texels, 0, srgb)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "coarse", replace(PRESETS["low"], scale=0.25))
+        for module in (textures, atlas):  # mipmaps take as long as many pictures
+            patch.setattr(module, "mipmapped", largest_only)
         yield "coarse"
 
 

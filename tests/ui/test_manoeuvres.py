@@ -205,6 +205,7 @@ def test_a_window_of_one_pixel_is_drawn_and_comes_back(boat, sub, user):
     user.until(boat, lambda: boat.overlay.help_opacity > 0.0)
 
 
+@pytest.mark.nightly
 def test_with_a_window_of_one_pixel_and_everything_open_nothing_breaks(boat, sub, user):
     boat.run_command("ride")
     boat.run_command("desk")

@@ -50,7 +50,7 @@ def _dive(name, threads, ticks=TICKS, most=MOST_FISHES):
     return found
 
 
-@pytest.mark.parametrize("name", only(("peaceful", "preying", "mating"), SCENARIOS))
+@pytest.mark.parametrize("name", only(("preying", "mating"), SCENARIOS))
 def test_the_number_of_threads_does_not_matter(small_parts, name):
     alone = _dive(name, 1)
     for threads in (2, 3, 16):
@@ -90,6 +90,7 @@ for name in sys.argv[1:]:
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform != "linux", reason="the C library of other systems has no setting")
 @pytest.mark.parametrize("library", only(("all",), sorted(PROCESSORS)))
 def test_neither_the_processor_nor_threads_of_libraries_matter(library, pytestconfig):

@@ -115,6 +115,7 @@ def white_pixels(picture):
     return (picture.min(axis=2) > 200.0).sum()
 
 
+@pytest.mark.nightly
 def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall, pytestconfig):
     nodes, start, console = hall
     master = nodes["middle"]
