@@ -59,6 +59,8 @@ def pytest_configure(config: pytest.Config) -> None:
     # numpy's second thread doubles the processor time of small matrices, and gains nothing where
     # several processes test. This one has numpy already, those that it starts have not.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Nor do several processes that test gain from a tick's second thread: it costs a tenth more.
+    os.environ.setdefault("SUBSEA_THREADS", "1")
     config.option.loadscopereorder = False  # of xdist: files are given out in the order below
 
 

@@ -77,6 +77,7 @@ def test_a_full_disk_is_an_error_of_one_line_and_keeps_the_old_file(writer, tmp_
     assert left == {file.name}
 
 
+@pytest.mark.nightly
 def test_a_disk_that_fills_up_ends_a_long_record_at_once(tmp_path):
     """Not only at the end."""
     words = ["simulate", "--ticks", "1000000", "--fish", "4", "--out", str(tmp_path / "out.h5")]

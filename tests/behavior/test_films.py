@@ -1,5 +1,7 @@
 """Tu's films of hunting and of the hook, at reduced length (Tu §10.1, §10.3)."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -11,18 +13,14 @@ from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
+from tests.support.daily import only
 
 STRAGGLER = 6
 
 
-@pytest.fixture(scope="module")
-def hunts():
-    return {seed: twelve_seconds(seed) for seed in (1, 2, 3)}
-
-
-@pytest.fixture(params=[1, 2, 3])
-def hunt(request, hunts):
-    return hunts[request.param]
+@pytest.fixture(params=only([1], [1, 2, 3]))
+def hunt(request):
+    return twelve_seconds(request.param)
 
 
 def sea_of_prey(seed):
@@ -31,6 +29,7 @@ def sea_of_prey(seed):
     return create_world(scenario, seed=seed)
 
 
+@cache
 def twelve_seconds(seed):
     """Of `preying`: the world, targets of the hunter, and fear and intentions."""
     world = sea_of_prey(seed)

@@ -83,7 +83,7 @@ def test_diagrams_and_numbers_are_on_a_film_and_another_list_is_another_film(tmp
 
 def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
     out = tmp_path / "fish.png"
-    options = [*SMALL, "--seconds", "1", "--scenario", "mating", "--quality", "low"]
+    options = [*SMALL, "--seconds", "1", "--quality", "low"]
     assert main(["film", str(out), *options, "--follow", "clownfish"]) == 0
     picture = np.asarray(Image.open(out)).astype(int)
     height, width, _ = picture.shape
@@ -109,6 +109,7 @@ def test_labels_stand_above_their_places_on_the_picture_that_they_are_for():
     assert film.lettered(plain, words, 2) is plain
 
 
+@pytest.mark.nightly
 def test_a_picture_is_the_same_each_time(tmp_path):
     one, two = tmp_path / "one.png", tmp_path / "two.png"
     for out in (one, two):

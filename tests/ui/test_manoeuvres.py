@@ -116,10 +116,11 @@ def test_by_key(boat, sub, user, manoeuvre):
 @pytest.mark.parametrize(
     ("down", "up", "stop"),
     [
-        (("mousedown", 1), ("mouseup", 1), ("click", 2)),
-        (("keydown", "w"), ("keyup", "w"), ("key", "space")),
+        pytest.param(("mousedown", 1), ("mouseup", 1), ("click", 2), id="mouse"),
+        pytest.param(
+            ("keydown", "w"), ("keyup", "w"), ("key", "space"), id="keys", marks=pytest.mark.nightly
+        ),
     ],
-    ids=["mouse", "keys"],
 )
 def test_decelerating_is_letting_go_and_a_full_stop_is_a_full_stop(boat, sub, user, down, up, stop):
     user.do(*down)
