@@ -19,7 +19,6 @@ from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import EAT
 from subsea.world.build import create_world
 from subsea.world.to_scenario import equal_tunables, get_tunables, to_scenario
-from tests.support.daily import only
 
 ROOT = Path(__file__).parents[2]
 PLAN = CharacterPlan(timidity=(1.4, 0.3), activity=(0.8, 0.1))
@@ -150,7 +149,8 @@ def test_devoted_fishes_keep_their_target(tank, devotion, kept):
     assert (t.minds.target[0] == 0) == kept
 
 
-@pytest.mark.parametrize("seed", only([2], [2, 6]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [2, 6])
 def test_active_fishes_lead_and_sociable_ones_are_in_the_middle(seed):
     """Stable differences explain who swims where in a school (Jolles et al. 2017)."""
     spec = spec_from_file_location("figures", ROOT / "docs/character_figures.py")

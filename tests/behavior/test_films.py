@@ -51,6 +51,7 @@ def test_the_hunter_patrols_first_and_then_hunts_prey(hunt):
     assert (world.state.minds.kind[picked] == PREY).all()
 
 
+@pytest.mark.nightly
 def test_some_prey_before_the_hunter_is_caught_and_some_escapes():
     caught = []
     for seed in range(1, 4):

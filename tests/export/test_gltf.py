@@ -14,7 +14,6 @@ from subsea.export.conventions import Y_UP, sheet_png, to_metres
 from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
 from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
-from tests.support.daily import only
 from tests.support.gltf_reader import Reader
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 2.0  # of the body length: what fitted joints may be off ...
@@ -160,8 +159,9 @@ def test_a_cycle_ends_as_it_began(fitted: Exported, files: tuple[Path, Path]) ->
             assert reader.content["nodes"][0]["name"] in ("root", model.name)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("known", BAKED[:1], indirect=True)
-@pytest.mark.parametrize("kind", only([MESHOPT], [QUANTISED, MESHOPT]))
+@pytest.mark.parametrize("kind", [QUANTISED, MESHOPT])
 def test_compressed_files_play_alike(
     kind: str,
     fitted: Exported,

@@ -124,6 +124,7 @@ def test_an_interrupted_film_resumes_with_the_same_pictures(seen, tmp_path, caps
     assert "`gaze`" in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_an_interrupted_second_run_keeps_the_camera_file(seen, tmp_path, monkeypatch):
     out = tmp_path / "seen"
     copied(seen, out)

@@ -166,9 +166,10 @@ def test_slots_may_be_more_than_fishes(fish):
     assert world.state.fishes.live.sum() <= fish
 
 
-def test_half_a_minute_of_nothing_but_simulation(pytestconfig):
+@pytest.mark.nightly
+def test_half_a_minute_of_nothing_but_simulation():
     """Live fishes that swim steadily: all sound, inside the sea and as fast as asked."""
-    number = 60 if pytestconfig.getoption("--nightly") else 24
+    number = 60
     world = _world(fish=number, live=number, live_reach_cm=np.inf)
     fishes, bounds = world.state.fishes, world.scenario.bounds
     steadily, swum, asked = np.ones(number, np.bool_), [], []
