@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.behavior.hunting import is_chewing
 from subsea.dive.directed_camera import directed_steering
 from subsea.scenario.load import load_scenario
-from subsea.state import EAT, LOOPING, MATE, RECOVERING, Clock
+from subsea.state import CHEWING, EAT, LOOPING, MATE, RECOVERING
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world
@@ -48,9 +47,9 @@ def seen(world: World) -> Seen:
     courts = (minds.courtship[PAIR] >= LOOPING) & (minds.intention[PAIR] == MATE)
     school = fishes.alive[SCHOOL]
     behind = inside[SCHOOL] & (far[SCHOOL] > far[PAIR].max() + BEHIND_CM) & school
-    prey, now = minds.target[SHARK], Clock(world.state.seed, world.state.tick, TICK_S)
+    prey = minds.target[SHARK]
     hunts = SCHOOL.start <= prey < SCHOOL.stop and minds.intention[SHARK] == EAT
-    hunts |= is_chewing(minds, SHARK, now) or minds.hunt[SHARK] == RECOVERING
+    hunts |= minds.hunt[SHARK] in (CHEWING, RECOVERING)
     return Seen(
         bool(courts.all() and inside[PAIR].all() and far[PAIR].max() < FRONT_CM),
         bool(behind.sum() >= max(MOST * school.sum(), 1)),

@@ -59,6 +59,8 @@ def pytest_configure(config: pytest.Config) -> None:
     # numpy's second thread doubles the processor time of small matrices, and gains nothing where
     # several processes test. This one has numpy already, those that it starts have not.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Nor do several processes that test gain from a tick's second thread: it costs a tenth more.
+    os.environ.setdefault("SUBSEA_THREADS", "1")
     config.option.loadscopereorder = False  # of xdist: files are given out in the order below
 
 
@@ -66,33 +68,33 @@ def pytest_configure(config: pytest.Config) -> None:
 # that one, lest two processes that find none kept compile the same ones.
 LONG = (
     "docs/test_every_command.py",
-    "capture/learning/test_learn.py",
-    "export/test_gltf.py",
     "capture/recording/test_batch.py",
-    "stage/cluster/test_cluster_windows.py",
-    "rendering/output/test_lines.py",
-    "studio/skin_editor/test_window.py",
-    "lab/environments/test_swim.py",
-    "stage/headset/test_headset_dive.py",
+    "export/test_gltf.py",
     "lab/test_soak.py",
     "media/test_film.py",
-    "behavior/test_teleop.py",
-    "ui/test_manoeuvres.py",
-    "test_faults.py",
-    "lab/test_benchmark.py",
-    "rendering/test_health.py",
-    "ui/panels/test_placement.py",
     "ui/panels/test_fish_panels.py",
-    "world/test_step.py",
-    "motor/test_switching.py",
-    "behavior/test_courtship.py",
-    "capture/cli/test_main.py",
-    "export/test_capture_export_command.py",
-    "stage/test_show_dive.py",
-    "world/test_snapshot.py",
-    "world/test_threads.py",
     "ui/test_menu.py",
+    "studio/skin_editor/test_window.py",
+    "export/test_web.py",
     "ui/test_inspector.py",
+    "stage/headset/test_headset_dive.py",
+    "stage/cluster/test_master.py",
+    "stage/test_show_dive.py",
+    "lab/test_benchmark.py",
+    "ui/test_manoeuvres.py",
+    "fish/test_own_species.py",
+    "ui/panels/test_placement.py",
+    "media/test_resume_manifest.py",
+    "studio/builder/test_window.py",
+    "stage/console/test_hostile.py",
+    "export/test_vat.py",
+    "ui/panels/test_initialisation.py",
+    "stage/cluster/test_lockstep.py",
+    "ui/test_dive_ends.py",
+    "capture/learning/test_learn.py",
+    "biomechanics/test_long_body.py",
+    "behavior/test_teleop.py",
+    "lab/environments/test_escape.py",
 )
 
 

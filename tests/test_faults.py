@@ -61,7 +61,7 @@ def some_room():
     no_room(100_000)
 
 
-@pytest.mark.parametrize("writer", only(["record", "report"], WRITERS))
+@pytest.mark.parametrize("writer", only(["record"], WRITERS))
 def test_a_full_disk_is_an_error_of_one_line_and_keeps_the_old_file(writer, tmp_path):
     file = tmp_path / WRITERS[writer][1]
     file.write_text("former")
@@ -77,6 +77,7 @@ def test_a_full_disk_is_an_error_of_one_line_and_keeps_the_old_file(writer, tmp_
     assert left == {file.name}
 
 
+@pytest.mark.nightly
 def test_a_disk_that_fills_up_ends_a_long_record_at_once(tmp_path):
     """Not only at the end."""
     words = ["simulate", "--ticks", "1000000", "--fish", "4", "--out", str(tmp_path / "out.h5")]
@@ -87,7 +88,8 @@ def test_a_disk_that_fills_up_ends_a_long_record_at_once(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("writer", only(["record"], ["record", "repertoire"]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("writer", ["record", "repertoire"])
 def test_two_writers_at_once_leave_one_whole_file(writer, tmp_path):
     both = [start(command(writer, tmp_path)) for _ in range(2)]
     for one in both:

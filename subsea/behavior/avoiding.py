@@ -4,7 +4,6 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.behavior.schooling import known_by
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import from_pillar, from_rock
@@ -34,6 +33,7 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.schools import known_by
 
 ASIDE = 1.5  # weight of turning away against keeping the course
 MAKING_ROOM = 0.6  # this weight in a school, so that the fish stays with it

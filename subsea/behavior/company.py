@@ -4,8 +4,9 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import follow, set_urge
+from subsea.behavior.threat_memory import place_of
 from subsea.behavior.wandering import CRUISE, is_at_home, wander
-from subsea.geometry.vector import Vector, minus, norm, plus, store, times, unit, vector
+from subsea.geometry.vector import minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import NOBODY, PREDATOR, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
@@ -41,7 +42,7 @@ def shun(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
         if k < 0:
             wander(fishes, minds, i, sea, clock)
             continue
-        away = minus(vector(fishes.position[i]), _place_of(minds.liked[i, k], fishes, sea))
+        away = minus(vector(fishes.position[i]), place_of(fishes, sea, minds.liked[i, k]))
         level = unit((away[0], away[1], LEVEL * away[2]))
         if not minds.leads[i]:
             store(minds.waypoint[i], plus(vector(fishes.position[i]), times(AWAY_CM, level)))
@@ -85,7 +86,7 @@ def disliked(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> int:
         if minds.kind[i] == PREY and (j == SUBMARINE or minds.kind[j] == PREDATOR):
             continue
         reach = HULL_OFF_CM if j == SUBMARINE else OFF_CM + OFF_BL * float(fishes.length[j])
-        gap = norm(minus(_place_of(j, fishes, sea), vector(fishes.position[i])))
+        gap = norm(minus(place_of(fishes, sea, j), vector(fishes.position[i])))
         if gap < least and gap < dislike * reach:
             least, found = gap, k
     return found
@@ -105,8 +106,3 @@ def missed(fishes: Fishes, minds: Minds, i: int) -> int:
         if beside < gap < liking * CALL_CM and is_at_home(minds, i, there):
             most, found = liking, j
     return found
-
-
-@kernel
-def _place_of(j: int, fishes: Fishes, sea: Sea) -> Vector:
-    return vector(sea.submarine) if j == SUBMARINE else vector(fishes.position[j])

@@ -73,9 +73,9 @@ KEEP_S = 0.4  # time in which he closes a gap by swimming
 KEEPING_BL_S = 0.6  # how fast his fins keep him there
 
 # For each state, from none to spawning: time after which it is given up, ...
-LIMIT_S = np.array([np.inf, 60.0, 45.0, 30.0, 20.0, 30.0, 4.0])
+LIMIT_S = np.array([np.inf, 60.0, 45.0, 30.0, 20.0, 30.0, 60.0])
 # ... and how long the partner may attend to something else.
-ALONE_S = np.array([np.inf, 25.0, 8.0, 8.0, 8.0, 8.0, 2.0])
+ALONE_S = np.array([np.inf, 25.0, 8.0, 8.0, 8.0, 8.0, 8.0])
 COLOUR_S = 0.7  # time constant of mating colours: 95% of a change is done after 2 s
 
 

@@ -1,7 +1,6 @@
 """Eating: predators hunt, others chase a speck of plankton and suck it in (Tu §7.8).
 
-A fish of an anemone stays about it. Where no speck drifts by, it picks copepods from the current
-above, as clownfishes do for most of their food (Fautin and Allen 1992). They are too small to draw.
+A fish of an anemone stays about it. Where no speck drifts by, it picks what is too small to draw.
 """
 
 import numpy as np
@@ -9,19 +8,19 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
-from subsea.behavior.grazing import feed
-from subsea.behavior.hunting import EAGER, hunt, is_chewing
+from subsea.behavior.hunting import EAGER, hunt
 from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
+from subsea.behavior.picking import pick_at_home, picks_at_home
 from subsea.behavior.schooling import straggles
 from subsea.behavior.threat_memory import wariness
 from subsea.behavior.wandering import is_at_home, wander
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import ZERO, dot, minus, norm, plus, vector
+from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.state import (
-    BATHES,
+    CHEWING,
     EAT,
     HUNGER,
     PREDATOR,
@@ -45,12 +44,7 @@ SWALLOW_BL = 0.06  # distance at which a speck is in the mouth
 SNACK = 0.25  # of a meal, that a speck is to a fish that feeds on stone
 ABSENCE_S = (40.0, 90.0)  # until a speck that was eaten is replaced
 FED_CM, FED = 250.0, 0.12  # distance of a meal to the submarine, and the liking that it adds
-PICKS_S = 1.3  # from one copepod to the next
-PICKS_ASIDE_CM, PICKS_OVER_CM = 35.0, (12.0, 45.0)  # where they are, from the anemone
-DARTS = 0.45  # fastest speed of a fish that picks, share of the fastest
-COVERS = 4.0  # seconds of digestion that a second of picking covers
-ABSENCE_PURPOSE = np.int64(60)  # keys of the random numbers
-PICKS_PURPOSE = np.int64(168)
+ABSENCE_PURPOSE = np.int64(60)  # key of the random numbers
 
 
 @kernel
@@ -73,7 +67,7 @@ def desire(
         if near and not tempted and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
             near = _on_the_way(fishes, minds, i, sea, eats, now)
         bites = bait and in_reach(fishes, minds, i, sea, nature)
-        food = near or picks(minds, i) or (bites and is_at_home(minds, i, vector(sea.hook)))
+        food = near or picks_at_home(minds, i) or (bites and is_at_home(minds, i, vector(sea.hook)))
         # Wary fishes stop feeding before they flee, except of the submarine that feeds them.
         if not (tempted and minds.predator[i] == SUBMARINE):
             least += (1.0 - least) * wariness(minds, i, nature)
@@ -109,36 +103,13 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             continue
         k = minds.target[i]
         if k < 0 or sea.absent[k] > 0.0 or not is_at_home(minds, i, vector(sea.plankton[k])):
-            if picks(minds, i):
-                _pick(fishes, minds, i, sea, clock)
-            else:
+            if not picks_at_home(minds, i):
                 wander(fishes, minds, i, sea, clock)
-            continue
-        distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)
+                continue
+            distance = pick_at_home(fishes, minds, i, sea, clock)
+        else:
+            distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)
         fishes.gape[i] = _gape_at(distance / fishes.length[i])
-
-
-@kernel
-def picks(minds: Minds, i: int) -> bool:
-    """True if fish i picks small plankton above its anemone."""
-    return bool(minds.ways[i] & BATHES and minds.cover[i] >= 0)
-
-
-@kernel
-def _pick(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
-    """Dart to one copepod after the other above the anemone of fish i."""
-    now = clock.tick * clock.dt
-    turn = np.int64(now / PICKS_S + float(fishes.identity[i]))
-    angle = 2.0 * np.pi * uniform(clock.seed, i, turn, PICKS_PURPOSE)
-    share = uniform(clock.seed, i, turn + (1 << 40), PICKS_PURPOSE)
-    low, high = PICKS_OVER_CM
-    aside = PICKS_ASIDE_CM * np.sqrt(share)
-    off = (aside * np.cos(angle), aside * np.sin(angle), low + (high - low) * (1.0 - share))
-    distance = chase(fishes, minds, i, plus(vector(sea.site_place[minds.cover[i]]), off), ZERO)
-    fishes.goal_speed[i] = min(fishes.goal_speed[i], np.float32(DARTS))
-    fishes.gape[i] = _gape_at(distance / fishes.length[i])
-    feed(minds, i, COVERS * float(minds.pause[i]), now)
-    minds.fatigue[EAT, i] = 0.0
 
 
 @kernel
@@ -155,7 +126,7 @@ def snap(i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
         return
     if minds.kind[i] == PREDATOR:
         distance = norm(minus(vector(fishes.position[k]), mouth)) / fishes.length[i]
-        ready = fishes.alive[k] and not is_chewing(minds, i, clock)
+        ready = fishes.alive[k] and minds.hunt[i] != CHEWING
         gape = 1.0 if ready and distance < HUNTERS_OPEN_BL else 0.0
     else:
         distance = norm(minus(vector(sea.plankton[k]), mouth)) / fishes.length[i]

@@ -48,17 +48,17 @@ ROUND = 0.8  # ... at this share of the distance, until it is in the blind angle
 GENTLE = 1.8  # distance of that place over its depth or height, as hunters climb slowly
 BOTTOM_BL = 0.3  # least height of that place over the seabed
 STALK_S = 14.0  # longest stalk ...
-CHASE_S = 6.0  # ... of prey that flees ...
-ALMOST_S = 4.0  # ... and how much longer it is at prey within range of a rush
+CHASE_S = 6.0  # ... of prey that flees far off ...
+ALMOST_S = 4.0  # ... and how much longer it is at prey within range of a rush, if this flees or not
 LOST_S = 4.0  # rest after it lost its prey, so that it does not waver
-PATIENT_S = 7.0  # after which it rushes from any side
+PATIENT_S = 6.0  # after which it hides no longer, and rushes from any side
 REAR_COS = -0.5  # cosine of its bearing from the prey's heading at which it closes in ...
 BLIND_COS = np.cos(np.radians(150.0))  # ... and in the blind angle (Tu §6.3)
 LOW = 0.3  # slope up to the prey from which it is hidden below
 
 RUSH_BL = 2.0  # distance within which it rushes from there ...
 CHASE_BL = 2.2  # ... or at prey that flees ...
-AIM_RAD = np.radians(20.0)  # ... if it heads for it ...
+AIM_RAD = np.radians(30.0)  # ... if it heads for it, or can snap at it ...
 STEEPEST = 0.5  # ... and no steeper up or down, as it could not follow
 READY_S = 1.0  # spent part of a burst below which it rushes
 RUSH_S = 1.8  # longest rush
@@ -143,27 +143,33 @@ def hunger(minds: Minds, i: int, nature: Nature) -> float:
         return EAGER * nature.keen
     hunts = phase in (STALKING, RUSHING)
     least = nature.keen * (STILL_HUNGRY if hunts else 1.0)
-    rests = phase == RECOVERING or (phase == PATROLLING and minds.lull[i] > 0.0)
-    if minds.food[i] < 0 or rests or minds.mental[i, HUNGER] <= least:
+    if minds.food[i] < 0 or rests(minds, i) or minds.mental[i, HUNGER] <= least:
         return 0.0
     return max(minds.mental[i, HUNGER], EAGER * nature.keen if hunts else 0.0)
+
+
+@kernel
+def rests(minds: Minds, i: int) -> bool:
+    """True if hunter i rests between two hunts."""
+    phase = minds.hunt[i]
+    return phase == RECOVERING or (phase == PATROLLING and minds.lull[i] > 0.0)
 
 
 @kernel
 def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Stalk the prey, rush at it once near, and open the mouth at it.
 
-    Without prey, or while it chews the last one, cruise.
+    Without prey, or while it chews the last one or rests, cruise.
     """
     # The intention generator has added a second per second: a hunter rests by its lulls instead.
     minds.fatigue[EAT, i] = max(minds.fatigue[EAT, i] - minds.pause[i], np.float32(0.0))
     j = minds.target[i] if minds.target[i] >= 0 else minds.food[i]
-    chews = is_chewing(minds, i, clock)
-    if j < 0 or not fishes.alive[j] or chews:
+    chews = minds.hunt[i] == CHEWING
+    if j < 0 or not fishes.alive[j] or chews or rests(minds, i):
         wander(fishes, minds, i, sea, clock)
         if chews:
-            since = clock.tick * clock.dt - minds.last_meal[i]
-            fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
+            part = np.sin(2.0 * np.pi * CHEWS_PER_S * float(minds.hunt_time[i]))
+            fishes.gape[i] = 0.15 + 0.15 * part
         elif minds.hunt[i] == RUSHING:
             break_off(minds, i, clock)
         return
@@ -180,9 +186,9 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
 def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Swim to a place below and behind the prey; begin the rush, or give up after a while.
 
-    It rounds the prey until it is in the blind angle, then closes in. Prey that flees has seen it:
-    then it hides its approach no longer, but closes the gap. Prey that it gives up costs it more
-    for a while, so that it turns to another.
+    It rounds the prey until it is in the blind angle, then closes in. From prey that flees, and
+    after a while, it hides no longer, but closes the gap. Prey that it gives up costs it more for a
+    while, so that it turns to another.
     """
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
     prey, mouth = vector(fishes.position[j]), mouth_of(fishes, i)
@@ -190,11 +196,12 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     distance = max(norm(toward), 1e-6)
     back, down = AMBUSH_BL
     back = max(back * length, GENTLE * abs(toward[2]))
-    seen = minds.intention[j] == ESCAPE
+    fled, spell = minds.intention[j] == ESCAPE, minds.hunt_time[i]
+    hides = not fled and spell <= PATIENT_S
     rear = -dot(toward, heading) / distance
     bearing, tail = np.arctan2(-toward[1], -toward[0]), np.arctan2(-heading[1], -heading[0])
     turn = wrapped(tail - bearing)
-    if rear > REAR_COS and not seen:
+    if rear > REAR_COS and hides:
         back = max(back, ROUND * distance)
     bearing += min(max(turn, -ROUND_RAD), ROUND_RAD)
     place = plus(prey, times(back, (np.cos(bearing), np.sin(bearing), 0.0)))
@@ -202,17 +209,17 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     place = (place[0], place[1], max(place[2] - down * length, min(floor, prey[2])))
     chase(fishes, minds, i, place, vector(fishes.velocity[j]))
     set_urge(minds, i, give_way(fishes, minds, i, vector(minds.urge[i])))
-    fishes.goal_speed[i] = PURSUIT if seen else STALK
-    spell = minds.hunt_time[i]
-    good = toward[2] > LOW * distance or rear <= BLIND_COS or spell > PATIENT_S
-    near = (seen and distance < CHASE_BL * length) or (good and distance < RUSH_BL * length)
+    fishes.goal_speed[i] = STALK if hides else PURSUIT
+    good = not hides or toward[2] > LOW * distance or rear <= BLIND_COS
+    near = good and distance < (CHASE_BL if fled else RUSH_BL) * length
     near = near and abs(toward[2]) < STEEPEST * distance
-    aim = dot(toward, x_axis(fishes.orientation[i])) > np.cos(AIM_RAD) * distance
+    aside = SNAP_RAD[1] if distance < SNAP_BL * length else AIM_RAD
+    aim = dot(toward, x_axis(fishes.orientation[i])) > np.cos(aside) * distance
     if near and not aim:
         set_urge(minds, i, give_way(fishes, minds, i, toward))
     if near and aim and minds.spent[i] < READY_S and not is_blocked(fishes, minds, i):
         begin(minds, i, RUSHING)
-    elif spell > (CHASE_S if seen else STALK_S) + (ALMOST_S if near else 0.0):
+    elif spell > (STALK_S + ALMOST_S if near else CHASE_S if fled else STALK_S):
         begin(minds, i, PATROLLING)
         minds.lull[i], minds.missed[i] = LOST_S, j
 
@@ -279,13 +286,6 @@ def attended(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> tupl
     quarry = first <= k < end and (kind < 0 or fishes.species[k] == kind)
     quarry = quarry and k != minds.conceded[i]
     return (k if quarry and fishes.alive[k] and minds.kind[k] == PREY else j), False
-
-
-@kernel
-def is_chewing(minds: Minds, i: int, clock: Clock) -> bool:
-    """True if hunter i still chews its last catch."""
-    since = clock.tick * clock.dt - minds.last_meal[i]
-    return since < CHEW_S and minds.eaten[i] > 0.0 and minds.last_meal[i] > 0.0
 
 
 @kernel

@@ -13,9 +13,10 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.schools import known_by
 
 BOLD = 0.15  # share of fishes that inspect
-CALM_BL_S = 0.8  # a predator that is faster, in its lengths per second, is not inspected
+INSPECTED_BL_S = 0.8  # a predator that is faster, in its lengths per second, is not inspected
 NOTICED_COS = np.cos(np.radians(40.0))  # cosine of the angle before it in which it notices a fish
 UNSHAKEN_S = 10.0  # time since its last start before a fish inspects
 EAGERNESS = 0.9  # desire to inspect: more than to close ranks, less than to flee an attack
@@ -73,13 +74,13 @@ def may_inspect(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clo
     j = int(minds.predator[i])
     if j < 0 or not minds.schools[i] or minds.neighbour[i, 0] < 0:
         return False
-    if minds.errand[i] > 0.0 or (minds.leader[i] >= 0 and minds.errand[minds.leader[i]] > 0.0):
+    if minds.errand[i] > 0.0 or minds.errand[known_by(minds, i)] > 0.0:
         return False
     if minds.mental[i, FEAR] <= 0.5 * nature.alarmed or minds.menace[i] >= nature.panicked:
         return False
     if minds.startled[i] < UNSHAKEN_S or is_shy(i, clock):
         return False
-    if norm(vector(fishes.velocity[j])) > CALM_BL_S * fishes.length[j]:
+    if norm(vector(fishes.velocity[j])) > INSPECTED_BL_S * fishes.length[j]:
         return False
     toward = minus(vector(fishes.position[i]), vector(fishes.position[j]))
     return dot(toward, x_axis(fishes.orientation[j])) < NOTICED_COS * norm(toward)

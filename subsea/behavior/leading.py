@@ -3,10 +3,10 @@
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
-from subsea.behavior.vigilance import closed_by
+from subsea.behavior.moods import temper_of
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import Clock, Fishes, Minds, Nature, Sea
+from subsea.state import Clock, Fishes, Minds, Sea
 
 SPACING_BL = 1.0  # distance to each neighbour
 FOLLOW_BL = 5.0  # distance to the leader at which a follower catches up
@@ -20,9 +20,7 @@ REACH_BL, LEFT_BEHIND = 3.0, 0.1
 
 
 @kernel
-def follow_leader(
-    i: int, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
-) -> None:
+def follow_leader(i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Follow the leader in company, or head for where it was last seen."""
     now = clock.tick * clock.dt
     here, length = vector(fishes.position[i]), float(fishes.length[i])
@@ -31,7 +29,7 @@ def follow_leader(
     ahead = vector(fishes.goal_direction[leader]) if lost < SIGHT_S else ZERO
     toward = minus(vector(minds.leader_place[i]), here) if lost < LOST_S else ZERO
     pace = fishes.goal_speed[leader] if lost < SIGHT_S else fishes.goal_speed[i]
-    spacing = SPACING_BL * closed_by(minds, i, nature)
+    spacing = SPACING_BL * temper_of(minds, i).spacing
     company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
                        spacing)  # fmt: skip
     urge = plus(plus(_pull(toward, length), ahead), company)

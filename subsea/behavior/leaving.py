@@ -2,7 +2,7 @@
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.behavior.schooling import known_by, way_back
+from subsea.behavior.schooling import way_back
 from subsea.behavior.wandering import cruise, heading, redraw
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, norm, plus, times
@@ -28,6 +28,7 @@ from subsea.state.habits import (
     share_of_warmth,
     wish,
 )
+from subsea.state.schools import known_by
 
 CLIMB = 0.8  # how steeply a fish leaves upward or downward
 BRISK = 0.7  # share of the fastest speed

@@ -5,12 +5,14 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import follow
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, enter, perform
+from subsea.behavior.laying import nest_of
 from subsea.behavior.manoeuvring import hover
 from subsea.behavior.wandering import wander
 from subsea.geometry.vector import minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
 from subsea.state import (
     APPROACHING,
+    ASCENDING,
     CIRCLING,
     LIBIDO,
     LOOPING,
@@ -49,7 +51,9 @@ def desire(
         if minds.kind[i] != PACIFIST:
             continue
         if minds.partner[i] != NOBODY:
-            if libido > STILL_KEEN * nature.keen:
+            if minds.courtship[i] == SPAWNING:
+                out[i] = 1.0  # it sees this through
+            elif libido > STILL_KEEN * nature.keen:
                 out[i] = max(libido, DEVOTED * nature.keen)
             continue
         rested = clock.tick * clock.dt - minds.last_mating[i] > REST_S
@@ -65,7 +69,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     for state in range(APPROACHING, SPAWNING + 1):
         those = who[courtship == state]
         done = perform(state, those, fishes, minds, sea, clock)
-        enter_next_state(those[done], fishes, minds, clock)
+        enter_next_state(those[done], fishes, minds, sea, clock)
 
 
 @kernel
@@ -134,15 +138,18 @@ def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
 
 
 @kernel
-def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Begin the next state for the fishes `who` and, from circling on, for their partners.
 
-    The male begins looping alone; she notices by herself. After the last state both have mated,
-    and return to the depth where their rush began, or lower.
+    The male begins looping alone; she notices by herself. A pair with a nest goes from circling to
+    it. After the last state both have mated, and return home, or to the depth where their rush
+    began, or lower.
     """
     for i in who:
         j = np.int64(minds.partner[i])
         after = minds.courtship[i] + 1
+        nests = nest_of(minds, j if minds.male[i] else i, sea) >= 0
+        after = SPAWNING if nests and after == ASCENDING else after
         if after == LOOPING:
             enter(fishes, minds, i, after)
         elif after <= SPAWNING:
@@ -157,7 +164,10 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
                 minds.ardent[fish] = False
                 low = minds.courtship_mark[fish] - RETURN_BL * fishes.length[fish]
                 _part(fishes, minds, fish)
-                minds.waypoint[fish, 2] = low
+                if nests:
+                    store(minds.waypoint[fish], vector(minds.home[fish]))
+                else:
+                    minds.waypoint[fish, 2] = low
 
 
 @kernel

@@ -17,6 +17,7 @@ from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
 from subsea.state import FEAR, Clock, Fishes, Minds, Nature
 from subsea.state.school_rules import CONTAGION, MOODS, NOISE_S, REST
+from subsea.state.schools import known_by
 
 VIGILANT = 0.4  # share of the fear of an alarmed fish at which it begins to be alarmed
 ROUSED_S, CALMED_S = 0.2, 6.0  # time constants: of alarm, and of the way back to ease
@@ -67,11 +68,11 @@ def _feeling(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clock)
     calm = VIGILANT * nature.alarmed
     alarm = (float(minds.mental[i, FEAR]) - calm) / max(nature.alarmed - calm, 1e-3)
     alarm = min(max(alarm, 0.0), 1.0)
-    school = minds.leader[i] if minds.leader[i] >= 0 else i
+    school = known_by(minds, i)
     if minds.led[i] or minds.errand[school] > 0.0:
         return alarm
     rest = minds.rules[minds.school_rule[i], REST]
-    stays = 1.0 - activity(i, school, rest, float(fishes.identity[i]), clock)
+    stays = 1.0 - travel_drive(i, school, rest, float(fishes.identity[i]), clock)
     return alarm - (1.0 - alarm) * stays
 
 
@@ -102,7 +103,7 @@ def travels(minds: Minds, i: int) -> float:
 
 
 @kernel
-def activity(i: int, school: int, rest: float, identity: float, clock: Clock) -> float:
+def travel_drive(i: int, school: int, rest: float, identity: float, clock: Clock) -> float:
     """Share of the way from staying, 0, to full travel, 1, of fish i in a school.
 
     A school draws it again every REST_S.

@@ -35,6 +35,7 @@ from subsea.state.school_rules import (
     SEPARATION,
     SEPARATION_BL,
 )
+from subsea.state.schools import known_by
 
 LAYER = 0.65  # factor on vertical distances: the nearest neighbour is at nearly the same depth
 FLEE = 1.2  # weight of the way from a predator
@@ -94,12 +95,6 @@ def alarmed_desire(
 
 
 @kernel
-def known_by(minds: Minds, i: int) -> int:
-    """The fish by which the school of fish i is known, or i itself without a school."""
-    return int(minds.leader[i]) if minds.leader[i] >= 0 else i
-
-
-@kernel
 def has_school(minds: Minds, i: int, now: float) -> bool:
     """True if fish i likes schooling, belongs to a school, and knows where it or company is.
 
@@ -121,7 +116,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     """Swim with the neighbours, and around obstacles, or follow the leader."""
     for i in who:
         if minds.led[i]:
-            follow_leader(i, fishes, minds, sea, nature, clock)
+            follow_leader(i, fishes, minds, sea, clock)
         else:
             swim_along(i, fishes, minds, sea, nature, clock)
 
@@ -323,6 +318,6 @@ def join_schools(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
             if j < 0:
                 break
             if alive[j] and minds.schools[j]:
-                minds.leader[i] = minds.leader[j] if minds.leader[j] >= 0 else j
+                minds.leader[i] = known_by(minds, j)
                 minds.leads[minds.leader[i]] = True
                 break

@@ -12,7 +12,7 @@ from subsea.behavior.manoeuvring import careful, steer
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import BATHES, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import BATHES, SPAWNING, Clock, Fishes, Minds, Nature, Sea
 
 REST = 0.5  # desire for cover by night
 ALARM = 0.8  # desire for cover of a fish under a shadow
@@ -49,7 +49,8 @@ def desire(
             minds.wary[i] = low + (high - low) * fishes.identity[i]
         out[i] = 0.0
         if minds.cover[i] >= 0:
-            out[i] = ALARM if minds.wary[i] > 0.0 else REST if minds.dark[i] else 0.0
+            rests = minds.dark[i] and minds.courtship[i] != SPAWNING
+            out[i] = ALARM if minds.wary[i] > 0.0 else REST if rests else 0.0
 
 
 @kernel

@@ -1,13 +1,14 @@
-"""The spawning rush: a burst upward, side by side, and the release at its peak (Tu §7.9.3).
+"""Spawning: a burst upward, side by side, and the release at its peak (Tu §7.9.3), or a nest.
 
 Pairs of reef fishes dash up by some lengths within seconds, release, and dash down again
-(Thresher 1984).
+(Thresher 1984). Fishes with an anemone lay on stone beside it (`laying.py`).
 """
 
 import numpy as np
 
 from subsea.base.arrays import Bools, Ints
 from subsea.behavior.chasing import burst, set_urge
+from subsea.behavior.laying import LAYS_S, lay, nest_of
 from subsea.behavior.manoeuvring import heading_of, scull
 from subsea.geometry.vector import dot, minus, plus, unit, vector
 from subsea.kernels import kernel
@@ -24,10 +25,14 @@ CEILING_BL, CEILING_CM = 0.8, 6.0  # depth under the surface at which it ends
 
 @kernel
 def rush(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Both burst upward on her course; he keeps beside her, as fast as she."""
+    """Both lay on her nest, or burst upward on her course; he keeps beside her, as fast as she."""
     for i in who:
         j = np.int64(minds.partner[i])
         her = j if minds.male[i] else i
+        nest = nest_of(minds, her, sea)
+        if nest >= 0:
+            lay(fishes, minds, sea, clock, i, nest)
+            continue
         course = heading_of(fishes, her)
         set_urge(minds, i, (np.cos(course), np.sin(course), STEEP))
         burst(fishes, minds, i)
@@ -51,10 +56,13 @@ def rush(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
 
 @kernel
 def spawned(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """True if she has rushed long enough, or is near the surface."""
+    """True if she has laid or rushed for long enough, or is near the surface."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
+        if nest_of(minds, i, sea) >= 0:
+            done[k] = not minds.male[i] and minds.courtship_count[i] > LAYS_S
+            continue
         ceiling = -CEILING_BL * fishes.length[i] - CEILING_CM
         late = minds.courtship_time[i] > RUSH_S or fishes.position[i, 2] > ceiling
         done[k] = not minds.male[i] and late

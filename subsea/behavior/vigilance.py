@@ -18,7 +18,6 @@ from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.feelings import dread_of
 
-CLOSED = 0.6  # factor on the spacing in an alarmed school
 ASIDE_RAD = np.radians(35.0)  # from straight away: the predator is at the edge of the field of view
 CLEAR = 0.75  # radius of the clear space about a predator, over its D0 ...
 PUSH = 2.0  # ... and weight of leaving it, at the predator, beside that of keeping away
@@ -28,12 +27,6 @@ WATCHFUL = 0.3  # desire to watch of a fish that is fully wary
 AFTER_S = 2.0  # how long it watches the place where the predator was
 HOVER = 0.12  # share of the fastest speed of a fish that watches
 ASIDE = 0.35  # part of a watching fish's way that leads away
-
-
-@kernel
-def closed_by(minds: Minds, i: int, nature: Nature) -> float:
-    """Factor on the distances of fish i to its companions: less, the warier it is."""
-    return 1.0 - (1.0 - CLOSED) * wariness(minds, i, nature)
 
 
 @kernel

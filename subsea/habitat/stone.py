@@ -64,8 +64,13 @@ SUNS = 8  # directions of the sun for which the shade of a moving day is known
 NO_SUNS = np.zeros((0, 3))
 
 
-def suns_of_day() -> Array:
-    """Compute directions (SUNS, 3) toward the sun, even along its course from east to west."""
+def suns_of_day(moving: bool = True) -> Array:
+    """Compute directions (SUNS, 3) toward the sun, even along its course from east to west.
+
+    Without a `moving` sun there are none.
+    """
+    if not moving:
+        return NO_SUNS
     across = np.linspace(1.0, -1.0, SUNS)
     return np.array([sun_at(6.0 + 12.0 / math.pi * math.acos(one))[0] for one in across])
 

@@ -38,6 +38,7 @@ BEFORE_S = 3.0  # decisive period before a capture
 TURNED_DEG, TURNED_S = 60.0, 3.0  # a rejected male turns by that angle within that time
 COURTED_S = 1.0  # minimum duration of a courtship
 SEQUENCE = (LOOPING, CIRCLING, ASCENDING, NUZZLING, SPAWNING)  # of a complete mating (Tu §7.9.3)
+NESTING = (LOOPING, CIRCLING, SPAWNING)  # of one on a nest
 SATED_BELOW, SATURATED_S = 0.99, 60.0  # hunger is saturated above this level for this time
 WARNING_S = 1.0  # fear must come within this time before an escape
 REACH = 1.0  # an attack comes as near as this to its target, lengths of the predator
@@ -268,7 +269,7 @@ def courtships(record: Record) -> list[Courtship]:
                     start=float(record.time[start]),
                     duration=(end - start) * record.tick_s,
                     states=order,
-                    complete=over and order[-len(whole) :] == whole,
+                    complete=over and (order[-len(whole) :] == whole or order[-3:] == NESTING),
                     rejected=rejected,
                     turned_away=rejected and turned_after(record, int(i), end - 1) > TURNED_DEG,
                 )

@@ -73,7 +73,7 @@ def _school(record: Record, leader: int, every: int) -> School:
         cruises = calm and bool(2 * (np.isin(doing, (SCHOOL, PICK)) | led).sum() >= len(members))
         ahead, place = headings(record.orientation[t, schooling]), record.position[t, schooling]
         mean = ahead.mean(axis=0)
-        nearest, together = _spread(place.astype(np.float64), record.length[schooling], LINK_BL)
+        nearest, together = spread(place.astype(np.float64), record.length[schooling], LINK_BL)
         if cruises:
             distances.append(nearest)
         rows.append((
@@ -120,7 +120,7 @@ def states(school: School) -> dict[str, float]:
 
 
 @kernel
-def _spread(position: Array, length: Array, link: float) -> tuple[Array, float]:
+def spread(position: Array, length: Array, link: float) -> tuple[Array, float]:
     """Measure distances to the nearest (m,), body lengths, and the share of the largest part.
 
     A pair's body length is the mean of both.

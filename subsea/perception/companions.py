@@ -14,6 +14,7 @@ from subsea.kernels import kernel
 from subsea.perception.vision import FARTHEST, sight
 from subsea.state import NOBODY, Fishes, Minds, Nature
 from subsea.state.school_rules import ATTENDED, BLIND_COS, LATERAL_LINE_BL, SIGHT_BL
+from subsea.state.schools import known_by
 
 # The distance of a reaction grows with the logarithm of light up to a saturation (Vogel and
 # Beauchamp, Can. J. Fish. Aquat. Sci. 56:1293, 1999). Brightness is a share of that at the surface.
@@ -50,7 +51,7 @@ def keep_perceived(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> N
         felt = rule[LATERAL_LINE_BL] * float(fishes.length[i])
         here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
         kept, of_school, mood = 0, 0, 0.0
-        school = minds.leader[i] if minds.leader[i] >= 0 else i
+        school = known_by(minds, i)
         for j in minds.neighbour[i]:
             if j < 0:
                 break
@@ -60,8 +61,8 @@ def keep_perceived(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> N
                 continue
             minds.neighbour[i, kept] = j
             kept += 1
-            other = minds.leader[j] if minds.leader[j] >= 0 else j
-            if of_school < rule[ATTENDED] and minds.schools[j] and other == school:
+            fellow = minds.schools[j] and known_by(minds, j) == school
+            if of_school < rule[ATTENDED] and fellow:
                 mood += float(minds.mood[j])
                 of_school += 1
         minds.neighbour[i, kept:] = NOBODY

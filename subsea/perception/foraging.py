@@ -10,14 +10,14 @@ from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, hidden, sees_fish, sight
-from subsea.state import ESCAPE, HUNGER, PREDATOR, Fishes, Minds, Nature, Sea
-from subsea.state.wants import TEMPTING
+from subsea.state import ESCAPE, PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state.wants import takes_scattered
 
 PREY_CELL_CM = 100.0
 WALL_BL = 2.5  # distance of food from the wall, for fishes that turn in wide arcs
 COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
 STEEPEST = 0.34  # sine of the steepest way of a stalking predator, as in `motor/controller.py`
-WARNED_COST = 2.0  # factor on the cost of prey that it missed, and of prey that flees
+WARNED_COST = 2.0  # factor on the cost of prey that it missed, and of other prey that flees
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
@@ -47,7 +47,7 @@ def perceive_plankton(
         mouth, foods = eye_of(fishes, i), minds.foods[i]
         guess = farthest(sea.plankton, mouth, foods)
         foods[:] = -1
-        if len(scattered.member) > 0 and minds.mental[i, HUNGER] > TEMPTING * nature.keen:
+        if len(scattered.member) > 0 and takes_scattered(minds, i, nature):
             nearest(scattered, mouth, nature.smell_cm, -1, foods, gaps, nature.smell_cm)
             _forget_unfit(fishes, minds, i, sea, gaps)
             if foods[0] >= 0:
@@ -169,7 +169,8 @@ def price_of(fishes: Fishes, minds: Minds, i: int, j: int, mouth: Vector, ahead:
     toward = minus(vector(fishes.position[j]), mouth)
     cost = cost_of(toward, norm(toward), ahead, is_in_school(fishes, minds, j))
     cost *= WARNED_COST if minds.missed[i] == j else 1.0
-    return cost * (WARNED_COST if minds.intention[j] == ESCAPE else 1.0)
+    flees = minds.intention[j] == ESCAPE and minds.target[i] != j
+    return cost * (WARNED_COST if flees else 1.0)
 
 
 @kernel

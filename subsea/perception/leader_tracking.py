@@ -10,6 +10,7 @@ from subsea.kernels import kernel
 from subsea.perception.companions import sees_school
 from subsea.perception.vision import sees_fish
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
+from subsea.state.schools import known_by
 
 
 @kernel
@@ -61,7 +62,7 @@ def schools_of(fishes: Fishes, minds: Minds) -> Schools:
     n = len(minds.leader)
     middle, size = np.zeros((n, 3)), np.zeros(n)
     for i in range(n):
-        school = minds.leader[i] if minds.leader[i] >= 0 else i
+        school = known_by(minds, i)
         if fishes.alive[i] and minds.schools[i] and not minds.led[i]:
             size[school] += 1.0
             for axis in range(3):
@@ -80,7 +81,7 @@ def watch_schools(
     """
     for i in who:
         if minds.schools[i] and not minds.led[i]:
-            school = minds.leader[i] if minds.leader[i] >= 0 else i
+            school = known_by(minds, i)
             size = schools.size[school]
             middle = times(1.0 / size, vector(schools.middle[school]))
             gap = norm(minus(middle, vector(fishes.position[i])))

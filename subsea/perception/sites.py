@@ -27,6 +27,7 @@ from subsea.state import (
     NO_COURTSHIP,
     NOBODY,
     POSE,
+    SHELTER,
     SITES,
     SUBMARINE,
     Clock,
@@ -59,6 +60,7 @@ AWAY_CM = 300.0  # distance of a cleaner from its station at which it has no cli
 ITCHES = 0.35  # itch at which a fish looks for a cleaner
 FAVOURS_CM = 120.0  # by which a favourite place may be farther away ...
 FAVOURS_TICKS = 600  # ... for 20 s, after which it may be another one
+ROOM_BL = 1.0  # distance from a cover within which a fish takes it, in the mean length of both
 NIGHT_CM = 800.0  # distance from which a fish goes to cover for the night
 DUSK, SMALL_CM = (0.08, 0.3), 12.0  # daylight at which large and small fishes retire
 LARGE_CM = 80.0  # a longer fish casts a shadow that frightens
@@ -95,15 +97,20 @@ class Reefers(NamedTuple):
     large: Grid  # large fishes, which cast frightening shadows
     cleaners: Grid
     posing: Grid  # for a cleaner
+    hiding: Grid  # those in cover, or on the way there
 
 
 def reefers_of(fishes: Fishes, minds: Minds) -> Reefers:
-    """Sort large fishes, cleaners and their clients."""
+    """Sort large fishes, cleaners, their clients and fishes that hide."""
     alive = fishes.alive
     chosen = alive & (fishes.length >= LARGE_CM), alive & (minds.ways & CLEANS > 0)
-    groups = *chosen, alive & (minds.intention == POSE)
-    a, b, c = (make_grid(fishes.position, np.flatnonzero(group), STATION_CM) for group in groups)
-    return Reefers(a, b, c)
+    groups = *chosen, alive & (minds.intention == POSE), alive & (minds.intention == SHELTER)
+    cells = STATION_CM, STATION_CM, STATION_CM, CELL_CM
+    a, b, c, d = (
+        make_grid(fishes.position, np.flatnonzero(group), cell)
+        for group, cell in zip(groups, cells, strict=True)
+    )
+    return Reefers(a, b, c, d)
 
 
 @kernel
@@ -121,7 +128,7 @@ def see_sites(
         if minds.ways[i]:
             minds.dark[i] = rests(fishes, i, sea)
             minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
-            _see_cover(i, fishes, minds, sea, clock, grids, room)
+            _see_cover(i, fishes, minds, sea, clock, grids, others.hiding, room)
         before = minds.client[i]
         minds.cleaner[i] = minds.client[i] = NOBODY
         if minds.ways[i] & CLEANS and is_pleasant(minds, i, minds.home[i, 2]):
@@ -221,11 +228,12 @@ def _see_food(
 
 @kernel
 def _see_cover(
-    i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock, grids: SiteGrids, room: Nearest
-) -> None:
-    """Set the cover of fish i: its anemone, or the nearest hiding place in sight.
+    i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock, grids: SiteGrids, hiding: Grid,
+    room: Nearest,
+) -> None:  # fmt: skip
+    """Set the cover of fish i: its anemone, or the nearest free hiding place in sight.
 
-    A fish that hides keeps its hiding place until it leaves it.
+    A fish that hides keeps its hiding place until it leaves it, or finds it taken.
     """
     found, gaps = room.found, room.gaps
     if minds.ways[i] & BATHES and len(grids[ANEMONE].member) > 0:
@@ -236,10 +244,13 @@ def _see_cover(
         if minds.cover[i] >= 0:
             return
     night = minds.dark[i]
-    if not minds.ways[i] & HIDES or minds.wary[i] > 0.0 or (night and minds.cover[i] >= 0):
+    if not minds.ways[i] & HIDES:
+        return
+    kept = minds.cover[i] >= 0 and (night or minds.wary[i] > 0.0)
+    if kept and not _is_taken(fishes, i, sea, minds.cover[i], hiding):
         return
     minds.cover[i] = -1
-    afraid = minds.shadow[i] > 0.0 or minds.fright[i] > 0.0
+    afraid = minds.shadow[i] > 0.0 or minds.fright[i] > 0.0 or minds.wary[i] > 0.0
     if not (afraid or night) or len(grids[COVER].member) == 0:
         return
     eye = eye_of(fishes, i)
@@ -251,7 +262,7 @@ def _see_cover(
             break
         # Each fish has its favourites, so that not all come to the same place.
         cost = gaps[k] + FAVOURS_CM * uniform(clock.seed, i, found[k] + (turn << 40), COVER_PURPOSE)
-        if cost >= least:
+        if cost >= least or _is_taken(fishes, i, sea, found[k], hiding):
             continue
         height = float(sea.site_depth[found[k]])
         door = plus(
@@ -260,6 +271,19 @@ def _see_cover(
         # By night it goes to a place that it knows.
         if night or gaps[k] < NEAR_BL * fishes.length[i] or not hidden(sea, eye, door):
             minds.cover[i], least = found[k], cost
+
+
+@kernel
+def _is_taken(fishes: Fishes, i: int, sea: Sea, s: int, hiding: Grid) -> bool:
+    """True if another fish hides in cover s, and is nearer to it than fish i."""
+    place = vector(sea.site_place[s])
+    one, gap = np.empty(1, np.int64), np.empty(1)
+    nearest(hiding, place, LARGE_CM, i, one, gap, CELL_CM)
+    if one[0] < 0:
+        return False
+    room = ROOM_BL * 0.5 * (fishes.length[i] + fishes.length[one[0]])
+    own = norm(minus(place, vector(fishes.position[i])))
+    return bool(gap[0] < min(room, own))
 
 
 @kernel

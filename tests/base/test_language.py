@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 
 import pytest
 from babel.messages.mofile import read_mo
@@ -23,8 +24,10 @@ from subsea.base.language import (
     translated,
 )
 from subsea.base.system import ROOT
-from tools.translate import collected, po_file
+from tools import translate
+from tools.translate import po_file
 
+collected = cache(translate.collected)  # reads all of the code
 OTHERS = [code for code in LANGUAGES if code != "en"]
 
 

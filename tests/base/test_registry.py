@@ -44,6 +44,7 @@ def test_a_command_of_another_package_is_listed_and_runs(outside):
     assert text.index("this machine:") < text.index("from other packages:")
 
 
+@pytest.mark.nightly
 def test_a_part_of_another_package_takes_part_in_a_dive(outside, display, quiet):
     words = ["--scenario", quiet, "--seconds", "0.5", "--size", "160x120", "--quality", "low"]
     done = subsea(outside | {"DISPLAY": display}, "dive", *words, "--greet", "Ann")

@@ -149,6 +149,7 @@ def test_devoted_fishes_keep_their_target(tank, devotion, kept):
     assert (t.minds.target[0] == 0) == kept
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [2, 6])
 def test_active_fishes_lead_and_sociable_ones_are_in_the_middle(seed):
     """Stable differences explain who swims where in a school (Jolles et al. 2017)."""

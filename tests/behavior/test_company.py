@@ -82,7 +82,7 @@ def test_a_pair_that_spawned_likes_each_other_and_courts_again_first(tank):
     t.minds.male[:] = True, False, False, False
     t.fishes.position[1:] = (150.0, 0.0, -300.0), (60.0, 0.0, -300.0), (80.0, 30.0, -300.0)
     t.minds.partner[:2], t.minds.courtship[:2] = (1, 0), SPAWNING
-    mating.enter_next_state(np.array([0]), t.fishes, t.minds, t.clock)
+    mating.enter_next_state(np.array([0]), t.fishes, t.minds, t.sea, t.clock)
     assert feeling_for(t.minds, 0, 1) == feeling_for(t.minds, 1, 0) == pytest.approx(mating.BONDS)
     t.minds.shunned[:] = NOBODY
     t.minds.intention[0], t.minds.mates[0] = MATE, (2, 3, 1)

@@ -5,6 +5,7 @@ import pytest
 
 from subsea.behavior import eating
 from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.picking import DARTS, DARTS_ASIDE_CM
 from subsea.state import ANEMONE, BATHES, EAT, HUNGER, Clock
 
 
@@ -84,9 +85,9 @@ def test_a_clownfish_picks_plankton_above_its_anemone(tank):
     for tick in range(1, 400, 20):
         t.at(tick).run(eating.act, 0)
         spot = t.minds.urge[0] + t.fishes.position[0] + [7.0, 0.0, 0.0]
-        assert np.hypot(*(spot[:2] - [30.0, 0.0])) <= eating.PICKS_ASIDE_CM + 1e-3
+        assert np.hypot(*(spot[:2] - [30.0, 0.0])) <= DARTS_ASIDE_CM + 1e-3
         assert spot[2] > -330.0
         places.add(tuple(np.round(spot)))
-        assert t.fishes.goal_speed[0] <= eating.DARTS + 1e-6
+        assert t.fishes.goal_speed[0] <= DARTS + 1e-6
     assert len(places) > 5
     assert t.minds.eaten[0] > 0.0

@@ -36,6 +36,7 @@ from subsea.behavior.hunting import (
     inhale,
     suction,
 )
+from subsea.behavior.patrolling import SHADOW_BL, SHADOWS, patrol
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
@@ -268,11 +269,36 @@ def test_it_gives_up_a_long_stalk(around):
 
 
 @pytest.mark.parametrize(("over", "phase"), [(0.9, STALKING), (1.1, PATROLLING)])
-def test_it_stalks_on_for_a_while_at_prey_within_range_of_a_rush(around, over, phase):
+@pytest.mark.parametrize("fled", [False, True])
+def test_it_stalks_on_for_a_while_at_prey_within_range_of_a_rush(around, over, phase, fled):
     fishes, minds = _hunter((0.2 * RUSH_BL * LENGTH, 0.8 * RUSH_BL * LENGTH, 0))  # it has to turn
+    minds.intention[1] = ESCAPE if fled else WANDER
     minds.hunt[0], minds.hunt_time[0] = STALKING, STALK_S + over * ALMOST_S
     _act(fishes, minds, around)
     assert minds.hunt[0] == phase
+
+
+def test_a_hunter_that_rests_begins_no_stalk(around):
+    """Its intention to eat may outlast a meal or a stalk that failed."""
+    fishes, minds = _hunter((0.9 * RUSH_BL * LENGTH, 0, 0))
+    minds.waypoint[0], minds.patience[0] = (0.0, 500.0, -300.0), 100.0
+    minds.lull[0] = 1.0
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == PATROLLING
+    minds.lull[0] = 0.0
+    _act(fishes, minds, around)
+    assert minds.hunt[0] == RUSHING
+
+
+@pytest.mark.parametrize(
+    ("share", "hungry", "errand", "turns"),
+    [(1.1, 1.0, 0.0, 1.0), (1.1, 0.2, 0.0, 0.2), (0.9, 1.0, 0.0, 0.0), (1.1, 1.0, 0.5, 0.0)],
+)
+def test_a_hungry_hunter_on_patrol_shadows_prey(around, share, hungry, errand, turns):
+    fishes, minds = _hunter((share * SHADOW_BL * LENGTH - SNOUT, 0, 0))
+    minds.foods[0, 0], minds.mental[0, HUNGER], minds.errand[0] = 1, hungry, errand
+    way = patrol(fishes, minds, 0, (0.0, 1.0, 0.0))
+    assert way == pytest.approx((turns * SHADOWS, 1.0, 0.0), abs=1e-5)
 
 
 def test_it_closes_the_gap_to_prey_that_flees(around):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.behavior.inspecting import (
-    CALM_BL_S,
     EAGERNESS,
+    INSPECTED_BL_S,
     INSPECTS_S,
     NEAREST,
     RESTS_S,
@@ -27,7 +27,7 @@ def school(tank):
     t.minds.kind[:SHARK], t.minds.kind[SHARK] = PREY, PREDATOR
     t.minds.schools[:SHARK], t.minds.neighbour[:SHARK, 0] = True, 1
     t.fishes.length[SHARK], t.fishes.position[SHARK] = 150.0, (0.0, 450.0, -300.0)
-    t.fishes.velocity[SHARK] = 0.5 * CALM_BL_S * 150.0, 0.0, 0.0
+    t.fishes.velocity[SHARK] = 0.5 * INSPECTED_BL_S * 150.0, 0.0, 0.0
     t.minds.predator[:SHARK], t.minds.startled[:] = SHARK, np.inf
     t.minds.menace[:SHARK] = t.minds.menaces[:SHARK] = t.minds.mental[:SHARK, FEAR] = 0.44
     return t
@@ -54,7 +54,7 @@ def test_a_few_fishes_are_bold(school):
 @pytest.mark.parametrize(
     "change",
     [
-        lambda t, i: t.fishes.velocity.__setitem__((SHARK, 0), 1.1 * CALM_BL_S * 150.0),
+        lambda t, i: t.fishes.velocity.__setitem__((SHARK, 0), 1.1 * INSPECTED_BL_S * 150.0),
         lambda t, i: t.fishes.position.__setitem__((SHARK, slice(0, 2)), (-450.0, 20.0)),  # noticed
         lambda t, i: t.minds.mental.__setitem__((i, FEAR), 0.2),
         lambda t, i: t.minds.menace.__setitem__(i, 0.85),

@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.behavior import leading, schooling
 from subsea.behavior.steering import ease_goals
-from subsea.state import FEAR, PREY
+from subsea.state import PREY
 from tests.support.scenes import everyone
 
 
@@ -68,12 +68,12 @@ def test_a_leader_out_of_sight_is_sought_where_it_was_seen_last(tank):
 
 def test_an_alarmed_school_is_denser(tank):
     gaps = []
-    for fear in (0.0, 0.6):
+    for mood in (0.0, 1.0):
         t = _school(tank, 3)
         t.fishes.position[1:] = (-40.0, 12.0, -300.0), (-40.0, -12.0, -300.0)
         _see(t)
         t.minds.neighbour[1, 0], t.minds.neighbour[2, 0] = 2, 1
-        t.minds.mental[:, FEAR] = fear
+        t.minds.mood[:] = mood
         t.run(schooling.act, 1, 2)
         gaps.append(t.minds.urge[1, 1] - t.minds.urge[2, 1])
     assert gaps[0] > gaps[1]

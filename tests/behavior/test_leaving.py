@@ -12,7 +12,6 @@ from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S
-from tests.support.daily import only
 
 
 def test_discontent_fishes_leave_in_the_right_direction(tank):
@@ -108,9 +107,12 @@ def test_dislike_ranks_above_calm_schooling_and_a_school_leaves_together(tank):
     assert (t.minds.urge[:, 0] > 0.8 * np.linalg.norm(t.minds.urge[:, :2], axis=1)).all()
 
 
-@pytest.mark.parametrize("seed", only([3], range(3, 13)))
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", range(3, 13))
 def test_fishes_of_the_twilight_slope_sort_themselves_and_stay(seed):
-    world = create_world(load_scenario("twilight").scenario, seed=seed)
+    world = create_world(
+        load_scenario("twilight", ["water.plankton=0", "seaweed=[]"]).scenario, seed=seed
+    )
     fishes, minds = world.state.fishes, world.state.minds
     content = []
     for tick in range(round(75.0 / TICK_S)):

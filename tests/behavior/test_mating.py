@@ -80,6 +80,13 @@ def test_a_courting_fish_goes_on_with_less_libido_and_no_mate_in_sight(tank):
     assert desire[1] == 0
 
 
+def test_a_pair_that_spawns_sees_it_through(tank):
+    t = _bay(tank)
+    t.minds.mental[:, LIBIDO] = 0.0
+    _pair(t, 1, SPAWNING)
+    assert t.desire(mating.desire).tolist() == [1.0, 1.0]
+
+
 def test_a_male_takes_up_with_his_target_and_swims_to_her(tank):
     t = _bay(tank)
     t.run(mating.act)

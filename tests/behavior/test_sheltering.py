@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import sheltering
 from subsea.behavior.table import INTENTIONS
-from subsea.state import ANEMONE, BATHE, BATHES, COVER, HIDES, SHELTER
+from subsea.state import ANEMONE, BATHE, BATHES, COVER, HIDES, SHELTER, SPAWNING
 
 
 def covered(tank, n=1):
@@ -37,6 +37,13 @@ def test_a_shadow_drives_a_fish_into_cover_for_a_while(tank):
     assert t.desire(sheltering.desire)[0] > 0.0
     t.minds.pause[:] = high
     assert t.desire(sheltering.desire)[0] == 0.0
+
+
+def test_by_night_it_rests_but_not_while_it_spawns(tank):
+    t = covered(tank, 2)
+    t.minds.dark[:] = True
+    t.minds.courtship[1] = SPAWNING
+    assert t.desire(sheltering.desire).tolist() == [pytest.approx(sheltering.REST), 0.0]
 
 
 def test_it_hurries_there_and_stays_inside(tank):

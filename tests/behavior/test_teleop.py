@@ -24,7 +24,7 @@ FISH = 4
 @pytest.fixture(scope="module")
 def begun():
     """Snapshot of the peaceful bay after two seconds, the start of every test."""
-    world = create_world(load_scenario("peaceful")[0], fish=60)
+    world = create_world(load_scenario("peaceful", ["seaweed=[]"])[0], fish=60)
     for _ in range(60):
         step(world, NEUTRAL)
     return world, snapshot.take(world), world.state.minds.kind.copy()
@@ -191,7 +191,7 @@ def test_a_dead_fish_is_not_steered_and_an_unknown_one_is_a_fault(world):
 
 
 def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator():
-    world = create_world(load_scenario("schooling", ['fish.0.school="leader"'])[0])
+    world = create_world(load_scenario("schooling", ["seaweed=[]", 'fish.0.school="leader"'])[0])
     fishes, minds = world.state.fishes, world.state.minds
     for _ in range(60):
         step(world, NEUTRAL)

@@ -13,6 +13,7 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S
+from tests.support.daily import only
 
 
 def bay(**options):
@@ -46,7 +47,7 @@ def test_individual_settings_draw_no_random_number():
     assert minds.mental[5, :2] == pytest.approx([0.25, 0.75], abs=0.03)
 
 
-@pytest.mark.parametrize("name", ["peaceful", "mating", "preying"])
+@pytest.mark.parametrize("name", only(["mating"], ["peaceful", "mating", "preying"]))
 def test_fishes_may_become_others_while_diving(name):
     """A change of kind or sex during any behavior leaves no index with the wrong meaning."""
     world = create_world(load_scenario(name)[0], fish=12, live=0)

@@ -105,6 +105,7 @@ def test_a_wrasse_finds_a_bait_from_ten_metres_downstream():
     assert world.state.odour.total[BAIT_ODOUR] > 0.0
 
 
+@pytest.mark.nightly
 def test_nor_from_upstream_by_smell():
     world = a_bait((400.0, 0.0, -250.0), stream=(-8.0, 0.0))
     nearest(world, 155.0)

@@ -6,12 +6,10 @@ import pytest
 from subsea.behavior.vigilance import (
     ASIDE_RAD,
     CLEAR,
-    CLOSED,
     HOVER,
     PUSH,
     REMEMBERED,
     away_from_threat,
-    closed_by,
     haste,
     is_hidden,
     watch,
@@ -35,12 +33,6 @@ def pair(tank):
 
 def _away(t):
     return np.array(away_from_threat(t.fishes, t.minds, 0, t.sea, t.nature))
-
-
-def test_a_wary_school_closes_up_by_degrees(pair):
-    for fear, factor in ((0.2, 1.0), (0.375, 1.0 - 0.5 * (1.0 - CLOSED)), (0.6, CLOSED)):
-        pair.minds.mental[0, FEAR] = fear
-        assert closed_by(pair.minds, 0, pair.nature) == pytest.approx(factor, abs=1e-5)
 
 
 @pytest.mark.parametrize("angle", [5, 60, 90, 130])

@@ -46,6 +46,7 @@ def test_no_assert_works_for_its_effect():
     assert not faults
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("switch", ["-OO"])
 def test_programs_work_with_the_switch(switch, tmp_path):
     """Their kernels are those of a start without it."""

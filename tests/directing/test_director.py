@@ -43,7 +43,7 @@ from subsea.world.placement import Handle, removed
 from subsea.world.step import step
 from subsea.world.to_scenario import to_scenario
 from subsea.world.world import TICK_S
-from tests.support.daily import examples
+from tests.support.daily import examples, only
 from tests.support.directions import directions
 
 SEA = """
@@ -325,7 +325,7 @@ def test_any_directions_leave_the_world_valid_and_repeatable(tmp_path, data):
     assert to_scenario(one) == scenario  # directions do not change the exported scenario
 
 
-@pytest.mark.parametrize("seed", [3, 7])
+@pytest.mark.parametrize("seed", only([7], [3, 7]))
 def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
     spec = spec_from_file_location("figures", ROOT / "docs/rendezvous_figures.py")
     figures = module_from_spec(spec)

@@ -19,6 +19,7 @@ from subsea.view.display_rigs import display_rig
 from subsea.view.rig import front, pose_from_angles, seen_part, views
 from subsea.world.build import create_world
 from subsea.world.step import step
+from tests.support.daily import only
 
 SIZE = (400, 240)
 EYE = np.array([0.0, 0.0, -200.0])
@@ -89,8 +90,11 @@ def share(rig, pixel):
 
 @pytest.mark.parametrize(
     "name",
-    ["mono", "side-by-side", "anaglyph", "interlaced", "panorama", "dome", "three-projectors",
-     "wide"],
+    only(
+        ["mono", "anaglyph", "three-projectors"],
+        ["mono", "side-by-side", "anaglyph", "interlaced", "panorama", "dome", "three-projectors",
+         "wide"],
+    ),
 )  # fmt: skip
 def test_the_visible_fish_is_picked(renderer, world, name):
     rig = rig_of(name)

@@ -294,6 +294,7 @@ def whole(running, elapsed_s=0.0):
     return User.screen(running)
 
 
+@pytest.mark.nightly
 def test_help_and_pattern_hide_the_insets_of_a_ride(boat, ride):
     User.until(boat, lambda: boat.picture.insets)
     User.do("key", "h")

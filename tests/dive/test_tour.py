@@ -152,9 +152,9 @@ def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
 def test_the_autopilot_approaches_the_largest_shoal(pytestconfig):
     """While no pair dances, which is more interesting."""
     seen = []
-    seeds, ticks = ((2, 4, 5), 900) if pytestconfig.getoption("--nightly") else ((2, 5), 600)
+    seeds, ticks = ((2, 4, 5), 900) if pytestconfig.getoption("--nightly") else ((2,), 600)
     for seed in seeds:  # a pair dances for long with seed 1
-        world, tour = start_world("peaceful", seed=seed), Tour()
+        world, tour = start_world("peaceful", seed=seed, changes=["seaweed=[]"]), Tour()
         largest = np.bincount(world.state.fishes.species).argmax()
         before = len(seen)
         for tick in range(ticks):

@@ -13,6 +13,7 @@ import pytest
 from subsea.dive import warm_up as module
 from subsea.dive.warm_up import JOBS, warm_up
 from subsea.kernels.cache import processor, versions
+from tests.support.daily import only
 
 # Prints the kernels that Python calls, with types, after the lines of a program. Kernels that only
 # kernels call are compiled with these.
@@ -124,7 +125,7 @@ def test_where_nothing_can_be_cached_nothing_is_compiled_in_vain(tmp_path):
     assert told == "compiling the fishes' code (a minute or more)\n"  # on the first call
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", only([signal.SIGINT], [signal.SIGINT, signal.SIGKILL]))
 def test_nobody_is_left_who_compiles(tmp_path, number):
     """After Ctrl-C, sent to the whole group, or after a kill of the first process."""
     program = _program(

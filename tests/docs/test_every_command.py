@@ -4,8 +4,9 @@ In this process, in a folder with all that pages take for granted: a photograph,
 theatre, a fish of one's own. Seas are small and pictures tiny; what else is short is in `SHORT`. A
 command that stands in a sentence without what it needs (`subsea film`) is read by its parser; so is
 an example of `commands.md`, which comes last, if it has nothing that was not typed before. Every
-day commands are typed until each kind of output was made, with those that make their files, and a
-page's first block of Python; the others are parsed, and `make nightly` types them.
+day commands are typed until each kind of output was made that no other test makes (`ELSEWHERE`),
+with those that make their files, and a page's first block of Python; the others are parsed, and
+`make nightly` types them.
 """
 
 import argparse
@@ -131,6 +132,35 @@ MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be the
     "subsea-capture inspect": (0, 1),
     "subsea doctor": (0, 1),
 }
+ELSEWHERE = {  # kinds of output, as of `kinds_of`, that another test has the program make every day
+    ("subsea", "benchmark", ""): "lab/test_benchmark.py",
+    ("subsea", "benchmark", "--json"): "lab/test_benchmark.py",
+    ("subsea", "benchmark", "--paper"): "lab/test_paper_tables.py",
+    ("subsea", "doctor", ""): "cli/test_doctor.py",
+    ("subsea", "export", ""): "export/test_recording.py",
+    ("subsea", "export", "--to gltf"): "export/test_gltf_scene.py",
+    ("subsea", "export", "--to usd"): "export/test_recording.py",
+    ("subsea", "export", "--to web"): "export/test_web.py",
+    ("subsea", "film", "--eyes"): "media/test_eye_frames.py",
+    ("subsea", "soak", ""): "lab/test_soak.py",
+    ("subsea", "soak", "--json"): "lab/test_soak.py",
+    ("subsea", "study", "--validate"): "lab/test_validation.py",
+    ("subsea", "sweep", ""): "lab/test_sweep.py",
+    ("subsea", "sweep", "--csv"): "lab/test_sweep.py",
+    ("subsea", "theatre", "--new"): "stage/theatre/test_theatre_plan.py",
+    ("subsea-capture", "export", ""): "export/test_capture_export_command.py",
+    ("subsea-capture", "export", "--to gltf"): "export/test_capture_export_command.py",
+    ("subsea-capture", "export", "--to usd"): "export/test_capture_export_command.py",
+    ("subsea-capture", "export", "--to vat"): "export/test_capture_export_command.py",
+    ("subsea-capture", "flat", ""): "capture/cli/test_flat.py",
+    ("subsea-capture", "flat", "--plots"): "capture/cli/test_flat.py",
+    ("subsea-capture", "inspect", ""): "capture/cli/test_main.py",
+    ("subsea-capture", "learn", ""): "capture/learning/test_learn.py",
+    ("subsea-capture", "record", ""): "capture/recording/test_batch.py",
+    ("subsea-capture", "validate", ""): "capture/cli/test_validate.py",
+    ("subsea-capture", "validate", "--json"): "capture/cli/test_validate.py",
+    ("subsea-capture", "validate", "--plots"): "capture/cli/test_validate.py",
+}
 PROGRAMS_OF_OURS = {"subsea": main, "subsea-capture": capture_cli}
 NEED_MORE = ["subsea", "study"], ["subsea-capture", "learn"]  # records, or a species
 COMMANDS = "commands.md"  # its examples are made from the programs' own help
@@ -184,7 +214,7 @@ class Workshop:
     """The folder in which commands are typed, and which of them have been."""
 
     def __init__(self, folder):
-        self.folder, self.done, self.kinds = folder, set(), set()
+        self.folder, self.done, self.kinds = folder, set(), set(ELSEWHERE)
         for name in ("assets", "repertoires"):
             (folder / name).symlink_to(ROOT / name)
         (folder / "docs").mkdir()
@@ -648,6 +678,12 @@ def test_what_is_not_typed_is_in_some_page():
         assert any(f"{text} ".startswith(f"{one} ") for text in typed), (
             f"no page has `{one}` any more"
         )
+
+
+def test_what_is_made_elsewhere_is_in_some_page():
+    typed = [step.text for page in PAGES for step in steps(page) if isinstance(step, Command)]
+    assert set().union(*map(kinds_of, typed)) >= ELSEWHERE.keys()
+    assert all((ROOT / "tests" / path).is_file() for path in ELSEWHERE.values())
 
 
 def test_no_two_pages_have_one_name():

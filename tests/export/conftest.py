@@ -21,7 +21,7 @@ from tests.support.gltf_reader import Reader
 from tests.support.scenes import BARE
 
 ROOT = Path(__file__).parents[2]
-DAILY = "fusilier", "ribbon_eel", "spotted_eagle_ray"
+DAILY = "fusilier", "spotted_eagle_ray"
 VALIDATOR = ROOT / "tools" / "gltf-validator"
 # Blender is a gigabyte: `make blender` installs it and runs these.
 collect_ignore = [] if (ROOT / ".venv" / "blender" / "ready").exists() else ["test_blender.py"]

@@ -159,6 +159,7 @@ def test_a_cycle_ends_as_it_began(fitted: Exported, files: tuple[Path, Path]) ->
             assert reader.content["nodes"][0]["name"] in ("root", model.name)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("known", BAKED[:1], indirect=True)
 @pytest.mark.parametrize("kind", [QUANTISED, MESHOPT])
 def test_compressed_files_play_alike(

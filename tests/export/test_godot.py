@@ -58,6 +58,7 @@ def _import(program: str, folder: Path) -> None:
             editor.wait()
 
 
+@pytest.mark.nightly
 def test_the_joints_are_where_the_file_has_them(project: Path) -> None:
     said = subprocess.run(
         ["godot3-server", "--path", str(project), "-s", "play.gd", str(SECONDS)],

@@ -13,6 +13,7 @@ from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.conventions import Y_UP, to_metres
 from subsea.export.usd import write_usd
 from subsea.geometry.rotation import matrix
+from tests.support.daily import only
 
 
 def written(folder: Path, model: Model, clips: list[Clip], baked: bool) -> Usd.Stage:
@@ -75,7 +76,10 @@ def test_the_root_may_be_baked(tmp_path: Path) -> None:
     check_frames(stage, model, clips)
 
 
-@pytest.mark.parametrize(("name", "prim"), [("fusilier", "fusilier"), ("2nd-fish", "_nd_fish")])
+@pytest.mark.parametrize(
+    ("name", "prim"),
+    only([("2nd-fish", "_nd_fish")], [("fusilier", "fusilier"), ("2nd-fish", "_nd_fish")]),
+)
 def test_the_stage_is_sound(name: str, prim: str, tmp_path: Path) -> None:
     """By OpenUSD's own validators, the parts of `usdchecker`; whatever its name."""
     model, clips = make_clips("fusilier", detail=2)

@@ -48,6 +48,7 @@ def filmed(context: Any, options: SceneFilmOptions) -> Any:
         return renderer.id_maps(packet)
 
 
+@pytest.mark.nightly
 def test_fishes_sand_and_stone_cover_the_pixels_of_the_film(
     context: Any, dive: Scene, short_dive: SceneFilmOptions, tmp_path: Path
 ) -> None:

@@ -55,7 +55,7 @@ def _y_up(blender: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     "known",
     only(
-        ("fusilier", "ribbon_eel"),
+        ("fusilier",),
         ("fusilier", "blue_tang", "blacktip_reef_shark", "ribbon_eel", "spotted_eagle_ray"),
     ),
 )
@@ -105,7 +105,8 @@ def _compare(
 
 
 def test_the_root_motion_is_in_the_axes_of_the_texture(tmp_path: Path) -> None:
-    model, clips = exported("fusilier")
+    model, every = exported("fusilier")
+    clips = every[::4]
     write_vat(tmp_path, model, clips, baked=False)
     read = Decoded(tmp_path / f"{model.name}_vat", model.name)
     own = read.info["subsea"]

@@ -144,19 +144,19 @@ def test_from_a_copied_file_to_a_fish_in_a_sea(home, known_turns, capsys):
 
 
 def test_one_recording_of_a_shipped_and_an_own_one_and_names_for_every_command(
-    home, checkout, capsys, monkeypatch
+    home, checkout, capsys, known_turns, monkeypatch
 ):
     monkeypatch.setattr(workers, "record_segment", each_once({}))
-    (checkout / "spotted_eagle_ray.h5").unlink()
-    (own_species() / "devil.toml").write_text(species_file("spotted_eagle_ray").read_text())
-    both, out = ("devil", "spotted_eagle_ray"), home / "elsewhere"
+    (checkout / "clownfish.h5").unlink()
+    (own_species() / "devil.toml").write_text(species_file("clownfish").read_text())
+    both, out = ("devil", "clownfish"), home / "elsewhere"
     code, printed, _ = captured(capsys, "record", *both, "--out", str(out))
     assert code == 0 and printed.splitlines() == [f"{out}/{name}.h5" for name in both]
     assert not repertoire_file("devil").exists()
     code, printed, _ = captured(capsys, "record", *both)
     assert printed.splitlines() == [
         f"{repertoire_file('devil')}",
-        f"{checkout}/spotted_eagle_ray.h5",
+        f"{checkout}/clownfish.h5",
     ]
     assert captured(capsys, "inspect", "devil")[1].startswith(f"{repertoire_file('devil')}: devil")
     assert captured(capsys, "plot", "devi", "--out", str(out))[0] == 2

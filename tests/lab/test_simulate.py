@@ -108,6 +108,7 @@ def test_velocity_is_the_change_of_position(record):
         assert file["fish/velocity"][1:] == pytest.approx(step, abs=0.5)
 
 
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_bytes_in_another_process(record, tmp_path):
     again, other = tmp_path / "two.h5", tmp_path / "three.h5"
     command = [sys.executable, "-m", "subsea", *arguments_for(again)]

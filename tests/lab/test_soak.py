@@ -50,10 +50,10 @@ def report(short, tmp_path_factory):
     """The report and output of a drawn soak of little more than a minute."""
     path = tmp_path_factory.mktemp("soak") / "soak.json"
     with pytest.MonkeyPatch.context() as patch:
-        shown = [display_rig(name, SIZE) for name in ("mono", "anaglyph", "dome")]
-        shown += [chosen_rig("mono", SIZE, theatre="cave", shrink=4 * soak.SHRINK)[0]]
-        patch.setattr(soak, "rigs", lambda: shown)
+        cave = chosen_rig("mono", SIZE, theatre="cave", shrink=4 * soak.SHRINK)[0]
+        patch.setattr(soak, "rigs", lambda: [display_rig("mono", SIZE), cave])
         patch.setattr(soak, "PICTURES", (1, 1))  # so that there are three rounds
+        patch.setattr(soak, "SECOND", 2 * soak.SECOND)  # from picture to picture
         assert main([*short, "--json", str(path)]) == 0
     return path
 

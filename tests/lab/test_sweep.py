@@ -178,6 +178,7 @@ def test_a_row_for_each_run_in_order(whole):
     ]  # fmt: skip
 
 
+@pytest.mark.nightly
 def test_the_number_of_processes_changes_no_byte(whole, tmp_path, capsys):
     out = tmp_path / "two"
     assert main([*COMMAND, "--jobs", "2", "--csv", "--out", str(out)]) == 0

@@ -124,6 +124,7 @@ def test_an_interrupted_film_resumes_with_the_same_pictures(seen, tmp_path, caps
     assert "`gaze`" in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_an_interrupted_second_run_keeps_the_camera_file(seen, tmp_path, monkeypatch):
     out = tmp_path / "seen"
     copied(seen, out)
@@ -255,6 +256,7 @@ def test_a_film_tells_the_light_that_its_fish_sees(tmp_path, seen):
     assert lit == pytest.approx(ahead, abs=0.1)
 
 
+@pytest.mark.nightly
 def test_the_light_depends_on_the_dive_alone_and_not_on_how_it_is_filmed(tmp_path):
     """Levels of detail of a film with larger pictures, or another gaze, do not change it."""
     lights = []

@@ -83,7 +83,7 @@ def test_diagrams_and_numbers_are_on_a_film_and_another_list_is_another_film(tmp
 
 def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
     out = tmp_path / "fish.png"
-    options = [*SMALL, "--seconds", "1", "--scenario", "mating", "--quality", "low"]
+    options = [*SMALL, "--seconds", "1", "--quality", "low"]
     assert main(["film", str(out), *options, "--follow", "clownfish"]) == 0
     picture = np.asarray(Image.open(out)).astype(int)
     height, width, _ = picture.shape
@@ -109,6 +109,7 @@ def test_labels_stand_above_their_places_on_the_picture_that_they_are_for():
     assert film.lettered(plain, words, 2) is plain
 
 
+@pytest.mark.nightly
 def test_a_picture_is_the_same_each_time(tmp_path):
     one, two = tmp_path / "one.png", tmp_path / "two.png"
     for out in (one, two):
@@ -267,7 +268,7 @@ def test_television_rates_are_exact(tmp_path):
 
 @pytest.mark.parametrize(
     ("display", "fps"),
-    only([RATES[0], RATES[3]], RATES),
+    only(RATES[:1], RATES),
 )
 def test_the_same_command_gives_the_same_film(tmp_path, display, fps):
     arguments = [*SEA, "--display", display, "--size", "64x64", "--seconds", "0.1", "--seed", "1"]
@@ -368,7 +369,10 @@ def test_a_film_may_begin_later(tmp_path):
         assert np.abs(one - two).mean() < 0.2  # except fishes that change their level of detail
 
 
-@pytest.mark.parametrize(("module", "more"), [(film, []), (eye_frames, ["--eyes", "0"])])
+@pytest.mark.parametrize(
+    ("module", "more"),
+    [(film, []), pytest.param(eye_frames, ["--eyes", "0"], marks=pytest.mark.nightly)],
+)
 def test_frame_times_exclude_ticks_before_the_film(tmp_path, monkeypatch, module, more):
     made, told = [], []
 

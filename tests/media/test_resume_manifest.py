@@ -64,6 +64,7 @@ def test_a_film_that_was_killed_goes_on_with_the_same_pictures(tmp_path, whole, 
     assert "complete, 18 frames" in capsys.readouterr().out
 
 
+@pytest.mark.nightly
 def test_pictures_that_were_lost_are_made_again(tmp_path, film, whole):
     out = tmp_path / "frames"
     out.mkdir()

@@ -12,6 +12,7 @@ from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
+from tests.support.daily import only
 
 LITTLE = "water.plankton=300", "seaweed=[]"  # fewer drifting specks, no seaweed
 
@@ -134,20 +135,20 @@ def beat(usual, physics):
     return (world.state.live.phase - before) % (2.0 * np.pi)
 
 
-@pytest.mark.parametrize(
-    "physics",
-    [
-        Physics(time_step=50.0, hydrodynamics=False),
-        Physics(time_step=20.0, iterations=60),
-        Physics(stiffness=0.01, viscosity=0.0, time_step=8.0),
-        Physics(unit_mass=0.1, water_viscosity=100.0, time_step=10.0),
-        Physics(stiffness=100.0, unit_mass=10.0, viscosity=100.0),
-        Physics(viscosity=0.0, hydrodynamics=False, stiffness=100.0),
-        Physics(time_step=0.05, iterations=1),
-        # This fish is fast and never turns: it would leave the sea within ten seconds.
-        Physics(1.15, 1.8, 0.32, 0.13, hydrodynamics=False, time_step=2.3, iterations=54),
-    ],
-)
+EXPLOSIVE = [
+    # This fish is fast and never turns: it would leave the sea within ten seconds.
+    (Physics(1.15, 1.8, 0.32, 0.13, hydrodynamics=False, time_step=2.3, iterations=54),),
+    (Physics(time_step=50.0, hydrodynamics=False),),
+    (Physics(time_step=20.0, iterations=60),),
+    (Physics(stiffness=0.01, viscosity=0.0, time_step=8.0),),
+    (Physics(unit_mass=0.1, water_viscosity=100.0, time_step=10.0),),
+    (Physics(stiffness=100.0, unit_mass=10.0, viscosity=100.0),),
+    (Physics(viscosity=0.0, hydrodynamics=False, stiffness=100.0),),
+    (Physics(time_step=0.05, iterations=1),),
+]
+
+
+@pytest.mark.parametrize("physics", only(EXPLOSIVE[:2], EXPLOSIVE))
 def test_a_fish_that_explodes_is_contained(usual, physics, monkeypatch):
     world, simulated = tried(usual, physics, 0)
     bounds, others = world.scenario.bounds, ~simulated

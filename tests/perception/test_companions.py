@@ -75,7 +75,8 @@ def _dark_school(line_bl):
     """A school on its way, after 25 s without light."""
     loaded = load_scenario(
         "schooling",
-        ("water.light_depth_cm=20", f"school.lateral_line_bl={line_bl}", "fish.0.number=24"),
+        ("water.light_depth_cm=20", f"school.lateral_line_bl={line_bl}", "fish.0.number=24",
+         "seaweed=[]"),
     )  # fmt: skip
     world = create_world(loaded.scenario, seed=1)
     for _ in range(750):

@@ -213,7 +213,8 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
             way = max(d, abs(gap[2]) / STEEPEST)
             cost = way * (1 + 0.5 * schools[j] + 0.2 * turn / np.pi)
             cost *= WARNED_COST if t.minds.missed[i] == j else 1.0
-            cost *= WARNED_COST if t.minds.intention[j] == ESCAPE else 1.0
+            flees = t.minds.intention[j] == ESCAPE and t.minds.target[i] != j
+            cost *= WARNED_COST if flees else 1.0
             if seen or d <= t.nature.smell_cm:
                 able.append((cost, d, j))
         best = [j for _, _, j in sorted(able)[:3]]

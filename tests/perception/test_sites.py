@@ -24,6 +24,7 @@ from subsea.state import (
     NOBODY,
     POLYPS,
     POSE,
+    SHELTER,
     SUBMARINE,
     TURF,
     WANDER,
@@ -184,6 +185,20 @@ def test_cover_is_sought_under_a_moving_shadow(tank):
     look(t)
     assert t.minds.shadow[0] > 0.5
     assert t.minds.cover[0] == 0
+
+
+def test_a_cover_that_another_fish_is_in_is_passed_over(tank):
+    t = reef(tank, 3, (COVER, 60.0, 0.0, -300.0), (COVER, 400.0, 0.0, -300.0))
+    t.minds.ways[:], t.sea.sky[1] = HIDES, 0.0
+    t.fishes.position[:, 0] = 52.0, 0.0, -150.0
+    t.minds.cover[:] = 0, 0, -1
+    t.minds.intention[:2] = SHELTER
+    look(t)
+    assert t.minds.cover.tolist() == [0, 1, 1], "the nearest keeps it; also on the way there"
+    t.fishes.alive[0] = False
+    t.minds.cover[:] = -1
+    look(t)
+    assert t.minds.cover[1:].tolist() == [0, 0]
 
 
 def test_large_fishes_cast_shadows_on_those_below(tank):

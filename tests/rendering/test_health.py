@@ -69,6 +69,7 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
     assert living() == before
 
 
+@pytest.mark.nightly
 def test_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     before, tour = living(), Tour()
     renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])

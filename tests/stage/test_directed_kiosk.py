@@ -3,6 +3,7 @@
 from contextlib import closing
 
 import numpy as np
+import pytest
 
 from subsea.dive.captions import caption_of
 from subsea.dive.settings import AttractSettings, Settings
@@ -20,6 +21,7 @@ CUES = (
 )
 
 
+@pytest.mark.nightly
 def test_the_scene_restarts_at_its_end_and_when_a_visitor_has_left(display, user, coarse, tmp_path):
     settings = Settings(attract=AttractSettings(after_min=AFTER_S / 60.0))
     with closing(

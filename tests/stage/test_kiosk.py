@@ -12,7 +12,7 @@ from subsea.stage.parts import KioskPart
 from subsea.ui.dive import Dive
 from tests.support.windows import dive_options, press_close_button
 
-AFTER_S = 4.0
+AFTER_S = 2.0
 
 
 @pytest.fixture(scope="module")

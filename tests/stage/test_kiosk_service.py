@@ -82,6 +82,7 @@ def test_a_kiosk_is_a_service_until_the_operator_ends_it(manager):
     assert "Traceback" not in told.read_text()
 
 
+@pytest.mark.nightly
 def test_a_service_comes_back_until_it_ends_in_order(manager, order):
     order.write_text("run")
     manager.control("start", UNIT)

@@ -30,7 +30,7 @@ def test_a_kiosk_survives_cuts_of_the_power_and_a_full_disk(display, capsys, mon
     ("order", "full", "code", "faults"),
     [
         ("run", False, None, []),
-        ("run", True, None, []),  # with a full disk
+        pytest.param("run", True, None, [], marks=pytest.mark.nightly),  # with a full disk
         ("hang", False, None, ["no picture for 1 s"]),
         ("2", False, 2, []),
     ],

@@ -123,6 +123,7 @@ def test_a_show_of_items_and_two_cues(display, user, coarse, playlist):
     assert not (state_folder() / "show.state").exists()
 
 
+@pytest.mark.nightly
 def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, playlist, monkeypatch):
     monkeypatch.setattr(show_player, "SAVE_S", 3.0)
     told = []
@@ -147,6 +148,7 @@ def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, pla
         again.end(running)
 
 
+@pytest.mark.nightly
 def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
     playlist.write_text(SHOW.replace("[[item]]", "[hours]\n[[item]]", 1))  # no day is named
     show, dive = opened(playlist, coarse, [], KioskPart())
@@ -160,6 +162,7 @@ def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
         assert running.world.state.tick == before[1]
 
 
+@pytest.mark.nightly
 def test_dives_of_visitors_are_counted_by_day(display, user, coarse, playlist):
 
     _, dive = opened(playlist, coarse, [], KioskPart())

@@ -30,13 +30,11 @@ from subsea.studio.side_view import (
     side_view,
     to_picture,
 )
-from tests.support.daily import only
 
 
 # The worst of all, which heads right, and a faint one; the script itself bounds the others.
-@pytest.mark.parametrize(
-    "name", only(["low contrast, shark"], ["black and white, reef", "low contrast, shark"])
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["black and white, reef", "low contrast, shark"])
 def test_outlines_are_found(accuracy, name):
     case = accuracy.CASES[name]
     photograph, truth, _ = accuracy.made(case)

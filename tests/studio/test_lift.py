@@ -160,6 +160,7 @@ def test_paired_fins_take_the_photographs_colours(clownfish, marked):
     np.testing.assert_array_equal(pectoral[..., 3] > 0, painted[..., 3] > 0)
 
 
+@pytest.mark.nightly
 def test_a_species_is_lifted_from_a_photograph_of_itself(clownfish, clownfish_photo):
     """Painted, photographed, found and lifted: the sheet is the painted one again, about."""
     photograph = clownfish_photo.photograph

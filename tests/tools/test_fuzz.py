@@ -11,7 +11,7 @@ from tools import fuzz
 
 
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, pytestconfig):
-    rounds = 400 if pytestconfig.getoption("--nightly") else 4
+    rounds = 400 if pytestconfig.getoption("--nightly") else 2
     done = subprocess.run(
         [sys.executable, fuzz.__file__, "--rounds", str(rounds), "--keep", tmp_path / "kept"],
         cwd=tmp_path, capture_output=True, text=True, check=False,
@@ -58,6 +58,7 @@ def never_comes_back(path):
 )
 def test_each_kind_of_reader_fault_is_found(monkeypatch, tmp_path, capsys, read, found):
     monkeypatch.setattr(fuzz, "SECONDS", 0.5)
+    monkeypatch.setattr(fuzz, "KILL_AFTER", 2)
     kind = fuzz.Kind(".toml", lambda folder: [b"a = 3"], read)
     number = fuzz.fuzz("any", kind, 2 if found is None else 1, 0, tmp_path / "kept")
     assert number == (0 if found is None else 1)

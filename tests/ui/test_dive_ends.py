@@ -83,7 +83,7 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
     [
         ("close button", "reading repertoires"),
         pytest.param("Ctrl-C", "waking the fishes", marks=pytest.mark.nightly),
-        ("Ctrl-C", "starting OpenGL"),
+        pytest.param("Ctrl-C", "starting OpenGL", marks=pytest.mark.nightly),
         ("Escape", "starting OpenGL"),
     ],
 )

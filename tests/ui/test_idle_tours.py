@@ -10,6 +10,7 @@ from subsea.dive.settings import AttractSettings, Settings
 from subsea.submarine.vessel import ACCELERATION_CM_S2
 from subsea.ui.dive import Dive
 from subsea.world.world import TICK_S
+from tests.support.daily import only
 from tests.support.windows import dive_options
 
 SIZE = (320, 240)
@@ -46,7 +47,11 @@ def frame(running):
 
 
 @pytest.mark.parametrize(
-    ("tour", "words"), [("auto", ("mousemove_relative", 30, 5)), ("reef", ("key", "h"))]
+    ("tour", "words"),
+    only(
+        [("auto", ("mousemove_relative", 30, 5))],
+        [("auto", ("mousemove_relative", 30, 5)), ("reef", ("key", "h"))],
+    ),
 )
 def test_a_tour_begins_without_input_and_ends_at_input(boat, user, tour, words):
     boat.tours.name, boat.tours.timer.leaps = tour, tour != "auto"

@@ -286,11 +286,9 @@ def test_letters_typed_at_once_after_a_click_into_a_field_stay_there(
 
 def test_the_help_is_hidden_by_the_inspector(boat, user):
     boat.overlay.show_help()
-    user.glide(boat, 2.0)
-    assert boat.overlay.help_opacity == 1.0
+    user.until(boat, lambda: boat.overlay.help_opacity == 1.0)
     user.do("key", "Tab")
     user.until(boat, lambda: boat.inspector.open)
-    user.glide(boat, 2.0)
-    assert boat.overlay.help_opacity == 0.0
+    user.until(boat, lambda: boat.overlay.help_opacity == 0.0)
     user.do("key", "Tab")
     user.until(boat, lambda: not boat.inspector.open)

@@ -116,10 +116,11 @@ def test_by_key(boat, sub, user, manoeuvre):
 @pytest.mark.parametrize(
     ("down", "up", "stop"),
     [
-        (("mousedown", 1), ("mouseup", 1), ("click", 2)),
-        (("keydown", "w"), ("keyup", "w"), ("key", "space")),
+        pytest.param(("mousedown", 1), ("mouseup", 1), ("click", 2), id="mouse"),
+        pytest.param(
+            ("keydown", "w"), ("keyup", "w"), ("key", "space"), id="keys", marks=pytest.mark.nightly
+        ),
     ],
-    ids=["mouse", "keys"],
 )
 def test_decelerating_is_letting_go_and_a_full_stop_is_a_full_stop(boat, sub, user, down, up, stop):
     user.do(*down)
@@ -205,6 +206,7 @@ def test_a_window_of_one_pixel_is_drawn_and_comes_back(boat, sub, user):
     user.until(boat, lambda: boat.overlay.help_opacity > 0.0)
 
 
+@pytest.mark.nightly
 def test_with_a_window_of_one_pixel_and_everything_open_nothing_breaks(boat, sub, user):
     boat.run_command("ride")
     boat.run_command("desk")

@@ -16,8 +16,13 @@ from subsea.world.step import step
 from subsea.world.world import TICK_S
 
 
+def without_seaweed():
+    """The bay; its seaweed is slow, and irrelevant here."""
+    return load_scenario("peaceful", ["seaweed=[]"]).scenario
+
+
 def bay(specks=300, **keys):
-    scenario = load_scenario("peaceful").scenario
+    scenario = without_seaweed()
     place = np.add(scenario.submarine.position_cm, (260.0, 0.0, 30.0))
     shoal = Shoal(species="blue_tang", number=10, position_cm=tuple(place), hunger=0.9, **keys)
     water = replace(scenario.water, plankton=specks)
@@ -70,7 +75,7 @@ def test_the_same_tick_gives_the_same_food():
 
 @pytest.mark.parametrize(("hunger", "comes"), [(0.5, True), (0.0, False)])
 def test_a_school_leaves_its_way_for_food_unless_it_is_full(hunger, comes):
-    scenario = load_scenario("peaceful").scenario
+    scenario = without_seaweed()
     place = tuple(np.add(scenario.submarine.position_cm, (420.0, 60.0, 20.0)))
     shoal = Shoal(species="fusilier", number=12, position_cm=place, hunger=hunger, digestion=1e-5)
     scenario = replace(scenario, fish=[shoal], tour=[], individual=[])

@@ -31,10 +31,15 @@ def shoal(species, x, y):
     )
 
 
+def without_growth():
+    """Seaweed and plankton are slow, and irrelevant here."""
+    return load_scenario("mating", ["water.plankton=0", "seaweed=[]"]).scenario
+
+
 @pytest.fixture(scope="module")
 def lagoon():
     """World, bites (fish, distance over length, pitch in degrees), and gaps to drawn stone, cm."""
-    scenario = load_scenario("mating")[0]
+    scenario = without_growth()
     fish = [
         shoal("blue_tang", 380.0, 190.0),
         shoal("bluecheek_butterflyfish", 330.0, -220.0),
@@ -86,7 +91,7 @@ def test_no_body_enters_the_drawn_stone(lagoon):
 
 
 def test_fishes_of_a_reef_go_to_cover_for_the_night():
-    scenario = load_scenario("mating")[0]
+    scenario = without_growth()
     water = msgspec.structs.replace(scenario.water, hour=0.0)
     fish = [shoal("blue_tang", 380.0, 190.0), shoal("moon_wrasse", 380.0, 220.0)]
     world = create_world(msgspec.structs.replace(scenario, water=water, fish=fish))

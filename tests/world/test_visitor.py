@@ -7,7 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from subsea.geometry.rotation import x_axis
-from subsea.lab.schooling import _spread
+from subsea.lab.schooling import spread
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import HULL_CM, SUBMARINE
@@ -44,7 +44,7 @@ def toward(submarine, place):
 
 @pytest.mark.parametrize("seed", only([22], [21, 22]))
 def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
-    world = create_world(load_scenario("schooling").scenario, seed=seed)
+    world = create_world(load_scenario("schooling", ["seaweed=[]"]).scenario, seed=seed)
     submarine, fishes = world.state.submarine, world.state.fishes
     nearest, through = math.inf, False
     for _ in ticks(40.0):
@@ -61,14 +61,14 @@ def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
         if tick % 10 == 0:
             nearest = min(nearest, gaps(world).min())
             place, length = fishes.position.astype(np.float64), fishes.length.astype(np.float64)
-            together = max(together * (tick > 90), _spread(place, length, 6.0)[1])
+            together = max(together * (tick > 90), spread(place, length, 6.0)[1])
     assert nearest > 0.0  # none touches the hull
     assert together > 0.9  # of the fishes, at once within 20 s
 
 
 @pytest.mark.parametrize("seed", only([3], [3, 4]))
 def test_a_cleaner_that_likes_the_submarine_hovers_before_its_window_and_picks(seed):
-    scenario = load_scenario("peaceful").scenario
+    scenario = load_scenario("peaceful", ["seaweed=[]"]).scenario
     place = tuple(np.add(scenario.submarine.position_cm, (230.0, 40.0, -60.0)))
     wrasse = Shoal(species="moon_wrasse", number=1, position_cm=place, hunger=0.0)
     world = create_world(replace(scenario, fish=[wrasse], tour=[], individual=[]), seed=seed)

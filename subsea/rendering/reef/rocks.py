@@ -264,8 +264,8 @@ def pieces(
     `hour` tells where the sun is; with `moving` they have the shade of all suns of a day, too.
     """
     floor = partial(drawn_height, terrain, half_width_cm)
-    suns = suns_of_day() if moving else NO_SUNS
-    shaped = shapes(formations(pillars, rocks), floor, sun_at(hour)[0], suns)
+    blocks, sun = formations(pillars, rocks), sun_at(hour)[0]
+    shaped = shapes(blocks, floor, sun, suns_of_day(moving))
     return [piece for levels in shaped for piece in cut(levels)]
 
 

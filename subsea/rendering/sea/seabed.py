@@ -9,7 +9,7 @@ from subsea.base.arrays import Array, Bytes, Ints
 from subsea.frame.packet import RenderScene
 from subsea.habitat.formations import formations
 from subsea.habitat.reef import KINDS, MOUND
-from subsea.habitat.stone import NO_SUNS, sun_at, suns_of_day
+from subsea.habitat.stone import sun_at, suns_of_day
 from subsea.rendering.gl.id_buffer import SEABED
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
@@ -183,7 +183,7 @@ class SeabedRenderer(StaticBatch):
             "u_flow": flow_of(scene.water.current_cm_s),
         }
         self._ground, self._sun = ground, sun_at(scene.water.hour)[0]
-        self._suns = suns_of_day() if moving else NO_SUNS
+        self._suns = suns_of_day(bool(moving))
         self._standing, self._own = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
         self._growing = -1  # number of growths whose light the map takes
 
@@ -219,8 +219,7 @@ def surroundings(
     """
     floor = partial(drawn_height, terrain, half_width_cm)
     growths = standing(reef, terrain, half_width_cm)[0]
-    suns = suns_of_day() if moving else NO_SUNS
-    stones = formations(pillars, rocks)
+    stones, suns = formations(pillars, rocks), suns_of_day(moving)
     return ground_map.ground_map(stones, floor, sun_at(hour)[0], growths, suns)
 
 

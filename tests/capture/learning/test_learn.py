@@ -201,9 +201,8 @@ def test_the_same_numbers_give_the_same_bytes(species, name, tmp_path):
     assert (tmp_path / "same.toml").read_bytes() == source.read_bytes()
 
 
-@pytest.mark.parametrize(
-    "method", [METHODS[0], *(pytest.param(name, marks=pytest.mark.nightly) for name in METHODS[1:])]
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_finds_the_same(method):
     fish = load_toml(SHIPPED, Species)
     runs: list[list[Any]] = []
@@ -254,6 +253,7 @@ def test_a_search_leaves_the_random_numbers_of_others_alone():
     np.testing.assert_array_equal(np.random.random(4), expected)  # noqa: NPY002
 
 
+@pytest.mark.nightly
 def test_a_winner_that_fails_verification_gives_way_to_the_next(monkeypatch, tmp_path):
     fish = load_toml(detuned(tmp_path / "fish.toml"), Species)
     verified, turned = [], []

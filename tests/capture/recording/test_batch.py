@@ -147,6 +147,7 @@ def test_a_segment_is_saved_exactly(name, tmp_path):
         np.testing.assert_array_equal(theirs, ours)
 
 
+@pytest.mark.nightly
 def test_neither_two_processes_nor_a_crash_of_one_change_the_files(whole, tmp_path, save_turns):
     saved = [save_turns(name, tmp_path) for name in NAMES]
     killed: list[int] = []
@@ -223,7 +224,8 @@ sys.exit(cli.main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize("number", only([signal.SIGINT], [signal.SIGINT, signal.SIGTERM]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_leaves_the_old_repertoire_and_one_line(number, whole, tmp_path, swum):
     old = tmp_path / "fusilier.h5"
     before = write_empty(old)

@@ -25,7 +25,8 @@ def env():
 
 
 def test_it_keeps_the_convention(env):
-    made = gymnasium.make("subsea/Escape-v0", changes=LEAN)
+    hunted = ['fish.0.kind="prey"', 'fish.1.kind="predator"']  # of a sea that is quickly made
+    made = gymnasium.make("subsea/Escape-v0", scenario=str(BARE), changes=hunted)
     check_env(made.unwrapped)
 
 

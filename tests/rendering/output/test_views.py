@@ -19,7 +19,7 @@ from subsea.view.levels import LodState, empty_lod_state
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, pose_from_angles, views
 from subsea.world.build import create_world
 from subsea.world.step import step
-from tests.support.daily import examples
+from tests.support.daily import examples, only
 
 SIZE = (96, 64)
 # Shadows of fishes lie in all views: a fish outside a view may darken sand in it.
@@ -86,7 +86,7 @@ def channels(turns, half_tangent, size):
     return plain((len(turns) * width, height), tuple(eyes))
 
 
-@pytest.mark.parametrize("display", DISPLAYS)
+@pytest.mark.parametrize("display", only(("mono", "anaglyph", "dome"), DISPLAYS))
 @given(heading=st.floats(-3.0, 3.0), pitch=st.floats(-0.5, 0.3))
 @settings(max_examples=examples(1))
 def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch):

@@ -115,7 +115,8 @@ def white_pixels(picture):
     return (picture.min(axis=2) > 200.0).sum()
 
 
-def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall, pytestconfig):
+@pytest.mark.nightly  # every day test_lockstep.py restarts a node and resumes a dive
+def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall):
     nodes, start, console = hall
     master = nodes["middle"]
     for name in ("left", "right"):
@@ -141,20 +142,18 @@ def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall, pytest
     assert presenter.ask("/api/commands", {"command": "line-up", "on": False})[0] == 200
     until(lambda: all(sea(picture) for picture in windows().values()))
 
-    nightly, again = pytestconfig.getoption("--nightly"), nodes["left"]
-    if nightly:  # test_lockstep.py restarts a node and resumes a dive every day
-        again.process.kill()
-        master.until("node left: is gone; going on without it")
-        again = start("left", "left again")
-        master.until("node left: is in step again")
-        assert "took the state of the dive at tick" in again.told
-        time.sleep(1.0)
-        assert all(sea(picture) for picture in windows().values())
+    nodes["left"].process.kill()
+    master.until("node left: is gone; going on without it")
+    again = start("left", "left again")
+    master.until("node left: is in step again")
+    assert "took the state of the dive at tick" in again.told
+    time.sleep(1.0)
+    assert all(sea(picture) for picture in windows().values())
 
     assert master.end() == 130
     for name in ("left", "right"):
         assert re.search(rf"node {name}: \d+ pictures, waited for .* p95 .* ms", master.told)
-    assert not nightly or re.search(r"node left: .*dropped once; rejoined once", master.told)
+    assert re.search(r"node left: .*dropped once; rejoined once", master.told)
     before = windows()
     for node in (nodes["right"], again):
         until(lambda node=node: node.told.count("waiting for the master at 127.0.0.1") == 2)
@@ -165,8 +164,6 @@ def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall, pytest
         assert np.abs(after[name][:100] - before[name][:100]).mean() > 1.0
         assert white_pixels(after[name][:75]) < 20  # letters are; so may be a speck of snow
     assert not any("differs" in node.told for node in nodes.values())
-    if not nightly:
-        return
 
     second = start("middle", "middle again")
     for name in ("left", "right"):

@@ -11,7 +11,7 @@ import pytest
 from tests.stage.cluster.conftest import free_address
 
 NODE_PROCESS = Path(__file__).with_name("node_process.py")
-TICKS, TICKS_AT_NIGHT = 300, 1000
+TICKS, TICKS_AT_NIGHT = 200, 1000
 
 
 class Process:

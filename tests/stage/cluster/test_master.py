@@ -387,6 +387,7 @@ def test_errors_about_states_are_printable(seas, address):
     node.close()
 
 
+@pytest.mark.nightly
 def test_a_restarted_master_begins_a_new_dive(make_harness, seas, address):
     words = []
     harness = make_harness(seas[0], address, timeout_s=1.0)

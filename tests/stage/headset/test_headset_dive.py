@@ -79,7 +79,12 @@ def test_the_sticks_steer_like_those_of_a_gamepad(worn):
 
 
 @pytest.mark.parametrize(
-    "hand", [Hand(stick=(0.0, 0.0), feed=True), Hand(feed=True), Hand(squeeze=1.0)]
+    "hand",
+    [
+        pytest.param(Hand(stick=(0.0, 0.0), feed=True), marks=pytest.mark.nightly),
+        Hand(feed=True),
+        Hand(squeeze=1.0),
+    ],
 )
 def test_the_right_hand_scatters_food_by_a_button_or_a_fist(worn, hand):
     running, headset = worn

@@ -11,6 +11,7 @@ from tests.stage.headset.conftest import diving, start
 from tests.support.scenes import BARE
 
 
+@pytest.mark.nightly
 def test_the_ticks_are_those_of_a_window(display, monkeypatch):
     def played(running):
         for _ in range(6):
@@ -44,6 +45,7 @@ def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(display, m
             running.put_on(headset_display.put_on(running.window_set, running.gui, running.note))
 
 
+@pytest.mark.nightly
 def test_a_kiosk_finds_its_headset_again(display, monkeypatch):
     with diving(BARE, monkeypatch, kiosk=True) as (running, headset):
         running.frame(0.1)

@@ -204,6 +204,7 @@ def test_a_node_is_dragged_and_the_mesh_follows(scene, user, spots):
     user.until(window, lambda: document.meshes.body.nodes[8, 8, 1] > start[BODY][8, 8, 1] + 15.0)
 
 
+@pytest.mark.nightly
 def test_a_shift_click_sets_an_anchor_and_lifts_it(scene, user, spots):
     window, _ = scene
     document = window.tool.document
@@ -222,6 +223,7 @@ def test_a_shift_click_sets_an_anchor_and_lifts_it(scene, user, spots):
     user.until(window, lambda: not edits.anchored_nodes(document.meshes))
 
 
+@pytest.mark.nightly
 def test_the_whole_is_moved_turned_and_scaled_and_relaxing_mends_it(scene, user, spots):
     window, truth = scene
     document = window.tool.document
@@ -265,6 +267,7 @@ def test_the_whole_is_moved_turned_and_scaled_and_relaxing_mends_it(scene, user,
     user.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead > 0.9)
 
 
+@pytest.mark.nightly
 def test_while_it_relaxes_a_node_follows_the_pointer_and_goes_back(scene, user, spots):
     window, _ = scene
     editor, document = window.tool, window.tool.document

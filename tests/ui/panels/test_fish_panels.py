@@ -240,6 +240,7 @@ def test_the_character_of_a_fish_is_set_and_its_feelings_are_told(still, user, s
     minds.liked[5], minds.liking[5] = NOBODY, 0.0
 
 
+@pytest.mark.nightly
 def test_time_is_paused_stepped_and_rewound(still, user, spots):
     time, world = still.timeline, still.world
     opened(still, user, "Time")

@@ -118,6 +118,7 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, us
     assert np.abs(np.subtract(on_screen(lagoon, "pillar"), begin) - (60, 0)).max() < 12
 
 
+@pytest.mark.nightly
 def test_a_school_is_dragged_from_where_it_swims_and_goes_on(lagoon, user):
     before, world = lagoon.scenario, lagoon.world
     # Before the eye, where the panel is not.
@@ -164,6 +165,7 @@ def test_a_drag_is_dropped_when_the_inspector_is_closed(lagoon, user):
     assert lagoon.scenario is before and lagoon.world is world
 
 
+@pytest.mark.nightly
 def test_undo_and_redo_by_the_usual_keys(lagoon, user):
     first = lagoon.scenario
     drag(lagoon, user, on_screen(lagoon, "pillar"), (30, 0), (60, 0))
@@ -175,6 +177,7 @@ def test_undo_and_redo_by_the_usual_keys(lagoon, user):
     user.until(lagoon, lambda: lagoon.scenario == moved)
 
 
+@pytest.mark.nightly
 def test_the_wheel_resizes_and_with_ctrl_turns(lagoon, user):
     begin, before = on_screen(lagoon, "rock"), lagoon.scenario.rock[0]
     drag(lagoon, user, begin)
@@ -250,7 +253,7 @@ def test_a_drag_that_begins_on_a_panel_moves_nothing_in_the_sea(lagoon, user, sp
 
 
 def test_numbers_add_and_remove_and_another_process_makes_the_saved_world(
-    lagoon, user, spots, tmp_path
+    lagoon, user, spots, tmp_path, pytestconfig
 ):
     lagoon.inspector.state(PlacementState).chosen = ("pillar", 0)
     user.glide(lagoon, 0.3)
@@ -274,6 +277,8 @@ def test_numbers_add_and_remove_and_another_process_makes_the_saved_world(
     assert "# The one that is moved." in text and "[[vent]]" in text
     scenario = load_scenario(str(path)).scenario
     assert scenario == replace(lagoon.scenario, physics=scenario.physics)
+    if not pytestconfig.getoption("--nightly"):
+        return  # tests/world/test_placement.py makes a saved world every day
     words = "from subsea.scenario.load import load_scenario; "
     words += "from subsea.world.build import create_world; "
     words += "from subsea.world import snapshot; import sys; "
