@@ -369,8 +369,8 @@ def _shape(
 def room_of(place: Array) -> float:
     """Measure the volume per fish of a school at places (m, 3), body lengths, in their cube.
 
-    The school is measured as a whole, with the hollows in it and without bias by stragglers (Pitcher
-    and Partridge 1979): as twice the ellipsoid around its middle that has the proportions of its
+    The school is measured as a whole, with its hollows and without bias by stragglers (Pitcher and
+    Partridge 1979): as twice the ellipsoid around its middle that has the proportions of its
     covariance and holds half of the fishes. This is exact for fishes that fill an ellipsoid evenly.
     NaN for fewer than LEAST_ROOM fishes, or all in one plane.
     """
