@@ -104,6 +104,6 @@ def merged(tables: Sequence[SchoolRules]) -> SchoolRules:
     for table in tables:
         values = {name: getattr(table, name) for name in NAMES}
         given |= {name: value for name, value in values.items() if value is not None}
-    nearer = given.get("separation_bl", USUAL.separation_bl)
-    given.setdefault("attraction_bl", max(USUAL.attraction_bl, nearer))
+    usual: Any = USUAL.attraction_bl
+    given.setdefault("attraction_bl", max(usual, given.get("separation_bl", usual)))
     return replace(USUAL, **given)
