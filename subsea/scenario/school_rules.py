@@ -69,15 +69,15 @@ class SchoolTable(SchoolRules, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 USUAL = SchoolRules(
-    separation_bl=0.9,
-    attraction_bl=1.0,
-    full_attraction_bl=3.0,
+    separation_bl=0.85,
+    attraction_bl=0.85,
+    full_attraction_bl=2.5,
     inertia=0.15,
     alignment=0.7,
     separation=2.0,
-    attraction=0.6,
+    attraction=0.8,
     goal=0.5,
-    rejoin=0.8,
+    rejoin=1.2,
     noise_deg=8.0,
     noise_s=1.0,
     pace_noise=0.12,
@@ -96,9 +96,14 @@ NAMES = tuple(field.name for field in msgspec.structs.fields(SchoolRules))
 
 
 def merged(tables: Sequence[SchoolRules]) -> SchoolRules:
-    """Merge tables of rules key by key, later ones first; missing keys are `USUAL`."""
+    """Merge tables of rules key by key, later ones first; missing keys are `USUAL`.
+
+    A missing `attraction_bl` is at least the given `separation_bl`.
+    """
     given: dict[str, Any] = {}
     for table in tables:
         values = {name: getattr(table, name) for name in NAMES}
         given |= {name: value for name, value in values.items() if value is not None}
+    usual: Any = USUAL.attraction_bl
+    given.setdefault("attraction_bl", max(usual, given.get("separation_bl", usual)))
     return replace(USUAL, **given)
