@@ -69,15 +69,15 @@ class SchoolTable(SchoolRules, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 USUAL = SchoolRules(
-    separation_bl=0.85,
-    attraction_bl=0.85,
-    full_attraction_bl=2.5,
+    separation_bl=0.9,
+    attraction_bl=1.0,
+    full_attraction_bl=3.0,
     inertia=0.15,
     alignment=0.7,
     separation=2.0,
-    attraction=0.8,
+    attraction=0.6,
     goal=0.5,
-    rejoin=1.2,
+    rejoin=0.8,
     noise_deg=8.0,
     noise_s=1.0,
     pace_noise=0.12,

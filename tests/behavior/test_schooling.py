@@ -12,7 +12,7 @@ from subsea.state.school_rules import ATTENDED, ATTRACTION, NOISE_RAD, PACE_NOIS
 from subsea.world.populate import heading_quaternion
 
 HERE = np.array([0.0, 0.0, -300.0])
-AT_EASE = USUAL.separation_bl  # body lengths at which a neighbour neither repels nor attracts
+AT_EASE = 0.95  # body lengths at which a neighbour neither repels nor attracts
 
 
 def _school(tank, *places_bl, n=None):
