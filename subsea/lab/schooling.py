@@ -197,6 +197,7 @@ SECTORS = 18  # of 10 degrees from ahead to behind seen from above, both sides a
 OBLIQUE = (3, 4, 5, 12, 13, 14)  # sectors about 45 and 135 degrees ...
 ABREAST = (8, 9)  # ... and about 90 degrees
 FILED = 0.5  # least polarisation of a school that has a length and a width
+LEAST_ROOM = 10  # fishes of a school whose room is measured: the volume of fewer is too uncertain
 
 
 class Schooling(NamedTuple):
@@ -255,9 +256,7 @@ MEDIANS = (
 def schooling(record: Record) -> list[Schooling]:
     """Measure every school of at least three fishes.
 
-    The volume is that of the ellipsoid with the second moments of the school (4/3 π √(125 det C)
-    for the covariance C), exact for fishes that fill an ellipsoid evenly. Sectors of bearings are
-    equal in solid angle, so that neighbours at random give equal shares.
+    Sectors of bearings are equal in solid angle, so that neighbours at random give equal shares.
     """
     return [_measured(record, school) for school in schools(record)]
 
@@ -359,13 +358,31 @@ def _shape(
     aside = np.arctan2(np.abs(across), (toward * ahead)[:, :2].sum(axis=1)) / np.pi
     np.add.at(sector, np.clip(aside * SECTORS, 0, SECTORS - 1).astype(int), 1.0)
     height = float(np.median(np.abs(toward[:, 2]) / length))
-    spread = np.linalg.det(np.cov((place / length.mean()).T))
-    room = 4 / 3 * np.pi * np.sqrt(125.0 * max(spread, 0.0)) / len(members)
+    room = room_of(place / length.mean())
     along = np.sort(place @ ahead.mean(axis=0)) / max(
         float(np.linalg.norm(ahead.mean(axis=0))), 0.1
     )
     lead = float(along[-1] - along[-2]) / float(length.mean())
-    return height, float(room), lead, *proportions(place, ahead)
+    return height, room, lead, *proportions(place, ahead)
+
+
+def room_of(place: Array) -> float:
+    """Measure the volume per fish of a school at places (m, 3), body lengths, in their cube.
+
+    The school is measured as a whole, with its hollows and without bias by stragglers (Pitcher and
+    Partridge 1979): as twice the ellipsoid around its middle that has the proportions of its
+    covariance and holds half of the fishes. This is exact for fishes that fill an ellipsoid evenly.
+    NaN for fewer than LEAST_ROOM fishes, or all in one plane.
+    """
+    if len(place) < LEAST_ROOM:
+        return np.nan
+    out = place - place.mean(axis=0)
+    covariance = np.cov(out.T)
+    spread = float(np.linalg.det(covariance))
+    if spread <= 1e-12:
+        return np.nan
+    far = float(np.median((out @ np.linalg.inv(covariance) * out).sum(axis=1)))
+    return 2 * 4 / 3 * np.pi * float(np.sqrt(far**3 * spread)) / len(place)
 
 
 def proportions(place: Array, ahead: Array) -> tuple[float, float]:

@@ -96,9 +96,14 @@ NAMES = tuple(field.name for field in msgspec.structs.fields(SchoolRules))
 
 
 def merged(tables: Sequence[SchoolRules]) -> SchoolRules:
-    """Merge tables of rules key by key, later ones first; missing keys are `USUAL`."""
+    """Merge tables of rules key by key, later ones first; missing keys are `USUAL`.
+
+    A missing `attraction_bl` is at least the given `separation_bl`.
+    """
     given: dict[str, Any] = {}
     for table in tables:
         values = {name: getattr(table, name) for name in NAMES}
         given |= {name: value for name, value in values.items() if value is not None}
+    usual: Any = USUAL.attraction_bl
+    given.setdefault("attraction_bl", max(usual, given.get("separation_bl", usual)))
     return replace(USUAL, **given)

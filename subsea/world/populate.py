@@ -44,7 +44,7 @@ HOME_CM = 400.0  # distance within which a fish finds a home
 STATIONS, ABOVE_STATION_CM = ("staghorn", "table", "brain"), 25.0  # corals of cleaners
 ABOVE_HOME_CM = 15.0  # height of the home over the growth
 LET_OUT = 40  # steps out of a solid, a quarter of the body each, for a fish that begins in one
-FIRST_LULL_S = 0.5, 2.0  # until predators hunt
+FIRST_LULL_S = 2.0, 3.0  # until predators hunt
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 

@@ -47,6 +47,7 @@ def test_prey_see_their_flight_through_and_stay_afraid(figures):
     found = figures.figures(figures.watch("strike", 6, 20.0))
     assert found["bouts"] > 40
     assert found["short"] < 0.05
-    assert found["flips"] < 6.0  # 55 before fishes remembered the threat
+    # One alarm in these 20 s is 6 a minute, its beginning and its end; without memory it was 55.
+    assert found["flips"] < 9.0
     assert found["starts"] > 5  # a hunter rushes once and rests
     assert found["flight_bl_s"] > 6.0

@@ -12,6 +12,7 @@ from subsea.state.school_rules import ATTENDED, ATTRACTION, NOISE_RAD, PACE_NOIS
 from subsea.world.populate import heading_quaternion
 
 HERE = np.array([0.0, 0.0, -300.0])
+AT_EASE = 0.95  # body lengths at which a neighbour neither repels nor attracts
 
 
 def _school(tank, *places_bl, n=None):
@@ -40,9 +41,9 @@ def _urge(t, i=0):
     return t.minds.urge[i] / np.linalg.norm(t.minds.urge[i])
 
 
-@pytest.mark.parametrize(("gap_bl", "sign"), [(0.4, -1.0), (0.95, 0.0), (2.0, 1.0)])
+@pytest.mark.parametrize(("gap_bl", "sign"), [(0.4, -1.0), (AT_EASE, 0.0), (2.0, 1.0)])
 def test_neighbours_repel_near_and_attract_far(tank, gap_bl, sign):
-    """Between the two distances only the heading, x, counts; the goal lies ahead."""
+    """Where a neighbour does neither, only the heading, x, counts; the goal lies ahead."""
     t = _calm(_school(tank, (0.0, gap_bl, 0.0)))
     t.minds.waypoint[0] = HERE + (500.0, 0.0, 0.0)
     assert np.sign(np.round(_urge(t)[1], 6)) == sign
@@ -61,7 +62,7 @@ def test_by_night_a_school_at_ease_disperses_but_an_alarmed_one_stays_close(tank
 
 
 def test_it_aligns_with_neighbours(tank):
-    t = _calm(_school(tank, (0, 0.95, 0), (0, -0.95, 0)))
+    t = _calm(_school(tank, (0, AT_EASE, 0), (0, -AT_EASE, 0)))
     t.minds.waypoint[0] = HERE
     north = np.array([0.5, 0.5, 0.5, 0.5])
     t.fishes.orientation[1:] = north
@@ -72,7 +73,7 @@ def test_it_aligns_with_neighbours(tank):
 @pytest.mark.parametrize("number", [1, 2])
 def test_it_attends_to_as_many_neighbours_as_its_rules_say(tank, number):
     """The farther of two on the left is the second."""
-    t = _calm(_school(tank, (0, 0.95, 0), (0, 3, 0)))
+    t = _calm(_school(tank, (0, AT_EASE, 0), (0, 3, 0)))
     t.minds.waypoint[0] = HERE
     t.minds.rules[0, ATTENDED] = number
     assert (_urge(t)[1] > 0.1) == (number == 2)
@@ -80,7 +81,7 @@ def test_it_attends_to_as_many_neighbours_as_its_rules_say(tank, number):
 
 def test_it_keeps_the_speed_of_its_neighbours_and_hurries_behind_them(tank):
     speeds = []
-    for ahead in (0.95, 3.0):
+    for ahead in (AT_EASE, 3.0):
         t = _calm(_school(tank, (ahead, 0.0, 0.0)))
         t.minds.rules[0, ATTRACTION] = 2.0
         t.fishes.velocity[1] = 0.7 * t.fishes.fast[0], 0.0, 0.0
@@ -88,7 +89,7 @@ def test_it_keeps_the_speed_of_its_neighbours_and_hurries_behind_them(tank):
         speeds.append(float(t.fishes.goal_speed[0]))
     share = schooling.TENDENCY
     # Straight behind its neighbour it closes up, to have it as far aside as ahead.
-    nudge = schooling.DIAGONAL_PACE * 0.95 * (1 - share)
+    nudge = schooling.DIAGONAL_PACE * AT_EASE * (1 - share)
     expected = (1 - share) * 0.7 + share * schooling.CRUISING + nudge
     assert speeds[0] == pytest.approx(expected, abs=1e-4)
     assert speeds[1] > expected - nudge + 0.1
@@ -97,7 +98,7 @@ def test_it_keeps_the_speed_of_its_neighbours_and_hurries_behind_them(tank):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_it_passes_an_obstacle_on_the_side_of_its_company(tank, side):
     """Though its own heading leads past on the other side."""
-    t = _school(tank, (0, 0.95, 0), (0, -0.95, 0), (-0.95, 0, 0))
+    t = _school(tank, (0, AT_EASE, 0), (0, -AT_EASE, 0), (-AT_EASE, 0, 0))
     t = t._replace(sea=t.sea._replace(pillars=np.array([[150.0, 0.0, 40.0, 0.0]])))
     t.minds.waypoint[0] = HERE + (600.0, 0.0, 0.0)
     t.fishes.orientation[0] = heading_quaternion(-0.15 * side)
@@ -119,7 +120,7 @@ def test_few_know_the_destination(tank):
 
 
 def test_a_fish_outside_its_school_heads_for_the_middle(tank):
-    t = _school(tank, (0, 0.95, 0))
+    t = _school(tank, (0, AT_EASE, 0))
     t.minds.waypoint[0] = HERE
     t.minds.leader_place[0] = HERE + (0.0, 300.0, 0.0)
     assert _urge(t)[1] > 0.5

@@ -9,6 +9,7 @@ from subsea.lab.schooling import (
     SECTORS,
     joined,
     proportions,
+    room_of,
     rotation_of,
     schooling,
     schools,
@@ -135,6 +136,33 @@ def test_a_ball_of_fishes_has_the_room_of_a_ball():
     assert found.room_bl3 == pytest.approx(4 / 3 * np.pi * 27 / 400, rel=0.1)
     assert found.bearing == pytest.approx(1 / BEARINGS, abs=0.05)
     assert found.polarisation == pytest.approx(1.0)
+
+
+def lattice(room, shape):
+    """Places of a cubic lattice with this room for each point, within an ellipsoid."""
+    side = room ** (1 / 3)
+    points = np.moveaxis(np.mgrid[-12:13, -12:13, -12:13], 0, -1).reshape(-1, 3) * side
+    return points[np.linalg.norm(points / shape, axis=1) < 1.0]
+
+
+@pytest.mark.parametrize("room", [0.7, 1.4])
+def test_a_lattice_has_its_known_room(room):
+    assert room_of(lattice(room, (7.0, 5.0, 3.0))) == pytest.approx(room, rel=0.06)
+
+
+def test_stragglers_add_no_room():
+    """One fish of 14 is three times as far from the middle as it would be."""
+    places = lattice(1.0, (7.0, 5.0, 3.0))
+    scattered = places.copy()
+    scattered[::14] *= 3.0
+    assert room_of(scattered) == pytest.approx(room_of(places), rel=0.15)
+
+
+def test_few_fishes_or_a_plane_have_no_room():
+    places = np.random.default_rng(4).normal(size=(20, 3))
+    assert np.isnan(room_of(places[:9]))
+    assert np.isnan(room_of(places * (1, 1, 0)))
+    assert room_of(places) > 0.0
 
 
 def test_files_have_their_neighbours_ahead_and_behind():

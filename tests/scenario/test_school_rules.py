@@ -71,7 +71,10 @@ def test_goals_are_columns_of_the_row():
         ("school.noise=1", ["unknown key", "noise_s"]),
         ("school.species.fusilir.noise_deg=1", ["`school.species.fusilir`", "fusilier"]),
         ("school.species.fusilier.alignment=11", ["at most 10", "11"]),
-        ("fish.0.rules.separation_bl=1.2", ["`fish[0].rules.separation_bl`", "at most 1"]),
+        (
+            "fish.0.rules={separation_bl=1.2,attraction_bl=1.0}",
+            ["`fish[0].rules.separation_bl`", "at most 1"],
+        ),
         ("school.full_attraction_bl=0.9", ["`school.full_attraction_bl`", "more than 1"]),
         ("school.goals=[{share=0.1}]", ["`school.goals[0]`", "position_cm", "heading_deg"]),
         (
@@ -90,6 +93,14 @@ def test_bad_rules_are_refused_in_one_line(change, told):
     message = str(fault.value)
     assert "\n" not in message
     assert all(part in message for part in told), message
+
+
+def test_fishes_that_keep_far_apart_attract_from_there_on():
+    """Unless the scenario says from where."""
+    assert merged([SchoolRules()]).attraction_bl == USUAL.attraction_bl
+    assert merged([SchoolRules(separation_bl=1.2)]).attraction_bl == 1.2
+    assert merged([SchoolRules(separation_bl=0.5)]).attraction_bl == USUAL.attraction_bl
+    assert merged([SchoolRules(separation_bl=1.2, attraction_bl=1.5)]).attraction_bl == 1.5
 
 
 def test_too_many_different_rules_are_refused(tmp_path):
