@@ -23,7 +23,7 @@ void main() {
     vec4 skin = textureLod(u_skins, v_skin, float(COARSEST));
     vec3 colour = toned(skin.rgb, v_tone);
     float silver = v_silver * smoothstep(0.05, 0.5, min(colour.r, min(colour.g, colour.b)));
-    vec3 light = (v_sky + v_sun * max(v_facing, 0.0)) * (1.0 - 0.6 * silver);
-    show(vec4(colour * light + silver * (0.4 + colour) * v_around + v_veil, skin.a));
+    vec3 light = (v_sky + v_sun * v_facing) * (1.0 - 0.8 * silver);
+    show(vec4(colour * light + silver * (0.5 + 0.4 * colour) * v_around + v_veil, skin.a));
 }
 #endif

@@ -18,7 +18,7 @@ in vec3 i_fins;   // mouth, dorsal and ventral fin, tail
 in vec4 i_show;   // species, cross-fade, mating colours, number of the fish
 
 out vec3 v_sky;        // light from all around
-out float v_facing;    // how far it faces the sun, below 0 away from it
+out float v_facing;    // share of the sun's light
 flat out vec3 v_sun;
 out vec3 v_around;     // what silver mirrors
 flat out float v_silver;
@@ -30,8 +30,6 @@ flat out float v_fade;
 uniform float u_object_id;  // of fish 0
 flat out float v_object_id;
 #endif
-
-const float WRAP = 0.25;
 
 vec3 control(float point) {
     vec3 a = texelFetch(u_table, table_place(int(point), int(i_pose.x)), 0).xyz;
@@ -56,14 +54,16 @@ void main() {
     vec3 normal = turned(a_normal);
     bool thin = a_part.z > 0.5;
     if (thin && dot(normal, ray) > 0.0) normal = -normal;
-    vec3 sun = sunlight_at(world.z), sky = light_from(vec3(0.0), world, normal, WRAP);
-    if (thin) sky += 0.6 * sun * max(dot(-normal, SUN), 0.2);
+    vec3 day = daylight(world.z), sun = SUNLIGHT * day;
+    vec3 sky = mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * day + lamplight_on(world, normal, 0.25);
+    if (thin) sky += 0.6 * sun * sunward(-normal);
     vec3 through = clearness(distance);
     v_sky = EXPOSURE * sky * through;
     v_sun = EXPOSURE * sun * through;
-    v_facing = (dot(normal, SUN) + WRAP) / (1.0 + WRAP);
-    v_around = water_radiance(reflect(ray, normal)) * through;
+    v_facing = sunward(normal);
     v_silver = thin ? 0.0 : coat.z;
+    float over = exp(u_down.g * (world.z - u_eye.z));
+    v_around = water_radiance(reflect(ray, platelets(normal, v_silver))) * over * through;
     v_veil = water_radiance(ray) * (1.0 - through) + glow(ray, distance);
     v_tone = tone(i_pose.w, kind, i_show.z);
     v_skin = own.xy;

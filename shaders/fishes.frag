@@ -32,6 +32,7 @@ flat in vec3 v_live;  // its gaze; how far its gill covers are lifted
 flat in vec4 v_scar;  // middle along and across, slant, length
 #endif
 flat in int v_kind;
+flat in vec4 v_day;  // daylight at its depth, and over that at the eye's depth
 
 const vec3 THROAT = vec3(0.025, 0.008, 0.008), FLESH = vec3(0.30, 0.11, 0.09),
            TOOTH = vec3(0.75, 0.74, 0.68), HEALED = vec3(0.42, 0.36, 0.33);
@@ -89,6 +90,9 @@ void main() {
     float tail = looks[v_kind].build.y;
     skin.a *= 1.0 - smoothstep(-0.05, 0.05, v_part.x - 0.5 - 9.0 * abs(v_part.y - v_nick));
     web = max(web, smoothstep(tail, tail + 0.06, v_rest.x));
+#ifdef CLOSE_UP
+    skin.a *= thin ? 1.0 - 0.4 * smoothstep(0.9, 1.0, v_part.x) : 1.0;  // hems of fins are thinnest
+#endif
     float face = 1.0 - smoothstep(eye_spot.x + 0.02, eye_spot.x + 0.12, v_rest.x);
     float seen;
     vec3 relief = scales(v_rest, v_part.x, v_identity, coat.y * (1.0 - web) * (1.0 - face), seen);
@@ -124,18 +128,19 @@ void main() {
 
     // What is bright and without colour is silver.
     float silver = coat.z * (1.0 - web) * (1.0 - inside) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
-    vec3 sun = sunlight_at(v_world.z) * (caustics_at(v_world) * sunny(v_world));
-    vec3 light = light_from(sun, v_world, normal, 0.25);
+    vec3 sun = SUNLIGHT * v_day.rgb * (caustics_at(v_world) * sunny(v_world));
+    vec3 light = sun * sunward(normal) + lamplight_on(v_world, normal, 0.25);
+    light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * v_day.rgb;
     // What is thin glows with the light that falls on its other side.
     float clear = max(web * (0.8 - 0.4 * skin.a), 2.0 * (1.0 - skin.a));
-    light += clear * sun * max(dot(-normal, SUN), 0.2);
+    light += clear * sun * sunward(-normal);
 #ifdef CLOSE_UP
     // Against the sun it lights up, in its own colour.
     float counter = max(dot(-view, SUN), 0.0);
     counter *= counter;
-    light += clear * sun * (0.5 + skin.rgb) * counter * counter * counter;
+    light += clear * sun * (0.2 + 0.8 * skin.rgb) * counter * counter;
 #endif
-    vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.6 * silver);
+    vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.8 * silver);
 
     float facing = max(dot(normal, view), 0.0);
     float mirror = max(dot(normal, normalize(view + SUN)), 0.0);
@@ -145,7 +150,7 @@ void main() {
     spark *= spark;
     float gloss = mix(coat.x * (0.35 + 0.65 * seen), 0.06, web) * (1.0 - inside);
     vec3 sheen = 0.75 + 0.5 * abs(2.0 * fract(1.4 * facing + 0.5 * relief.x + vec3(0.0, 0.3, 0.6)) - 1.0);
-    colour += (gloss * sharp * mix(0.3 + 1.2 * skin.rgb, 1.2 * sheen, silver) + 4.0 * eye * spark) * sun;
+    colour += (gloss * sharp * mix(0.2 + 0.8 * skin.rgb, 0.7 * sheen, silver) + 4.0 * eye * spark) * sun;
     // Wet skin mirrors the water around it at grazing angles, silver at all.
     float rim = 1.0 - facing;
     rim *= rim;
@@ -155,11 +160,15 @@ void main() {
     // A film of slime over all, and platelets whose colours turn with the angle.
     share += (0.10 * rim + 0.015) * (1.0 - web) * (1.0 - inside);
     colour += 0.16 * spark * (1.0 - web) * (1.0 - eye) * sun;
-    vec3 film = 0.72 + 0.38 * cos(6.2832 * (1.15 * facing + 0.6 * relief.x + 1.8 * v_rest.y + vec3(0.0, 0.36, 0.68)));
+    vec3 film = 0.8 + 0.3 * cos(6.2832 * (1.3 * facing + 0.6 * relief.x + 1.8 * v_rest.y + vec3(0.0, 0.36, 0.68)));
     sheen = mix(sheen, film, silver);
 #endif
-    vec3 around = water_radiance(reflect(-view, normal));
-    colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
+    vec3 mirrored = reflect(-view, platelets(normal, silver));
+    colour += (share + silver * sheen * (0.5 + 0.4 * skin.rgb)) * v_day.a * water_radiance(mirrored);
+#ifdef CLOSE_UP
+    // A wet eye shows the bright surface above it.
+    colour += 0.12 * eye * smoothstep(0.45, 0.75, mirrored.z) * (SKYLIGHT + 0.4 * SUNLIGHT) * v_day.rgb;
+#endif
 #ifdef LIT
     // Lamps are near the eye: what faces it throws their light back, silver and scales most.
     float back = facing * facing;

@@ -47,6 +47,7 @@ flat out vec3 v_live;  // its gaze; how far its gill covers are lifted
 flat out vec4 v_scar;
 #endif
 flat out int v_kind;
+flat out vec4 v_day;  // daylight at its depth, and over that at the eye's depth
 #ifdef OBJECT_IDS
 uniform float u_object_id;  // of fish 0
 flat out float v_object_id;
@@ -243,6 +244,7 @@ void main() {
     v_scar = scar(v_identity, v_kind);
     v_scar.w *= step(0.5, abs(v_side)) * step(0.0, side * (fract(7.7 * v_identity) - 0.5));
 #endif
+    v_day = vec4(daylight(i_place.z), exp(u_down.g * (i_place.z - u_eye.z)));
     vec2 skin = v_rest + displaced(v_rest, v_part.x, v_identity, v_kind);
     if (a_part.x < 0.5) skin = on_body(skin, v_kind);
     else if (a_part.x < 1.5) skin = on_fin(v_part.yx, side > 0.0 ? 0 : 1);

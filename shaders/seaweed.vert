@@ -19,7 +19,9 @@ out vec3 v_veil;
 
 const int LAST = 7;
 const int RIBBON = 0, KELP = 1, GRASS = 2, RED = 3;
-const float FLOAT = 0.14;    // share of a blade of kelp that is its float
+const float FLOAT = 0.14;    // share of a blade of kelp that is its float ...
+const float FLOAT_ROWS = 0.2;  // ... and of the rows of its vertices
+const float WAVES = 3.0, KELP_WAVES = 2.0;  // of a frill at most: more would zigzag between vertices
 const float STIPES = 3.0, BLADES = 48.0, CANOPY = 8.0, BRANCHES = 15.0;
 const vec2 BLADE_LENGTH = vec2(5.0, 3.5), CANOPY_LENGTH = vec2(9.0, 7.0);  // least and more, over its width
 const vec2 CANOPY_CM = vec2(-150.0, -70.0);  // height of the tip from which a canopy grows, and is full
@@ -104,7 +106,7 @@ void main() {
         length_cm = kelp ? look.x * (reach.x + reach.y * own) : body.w * (0.62 - 0.55 * at) * (0.7 + 0.5 * own);
         float s = t;
         if (kelp) {
-            s = t < 0.25 ? FLOAT * t / 0.25 : FLOAT + (1.0 - FLOAT) * (t - 0.25) / 0.75;
+            s = t < FLOAT_ROWS ? FLOAT * t / FLOAT_ROWS : FLOAT + (1.0 - FLOAT) * (t - FLOAT_ROWS) / (1.0 - FLOAT_ROWS);
             place += beside(mod(blade_number, STIPES), at, look.w, look.x);
             // The youngest, at the tip, are small; old ones are dark.
             if (canopy) size *= smoothstep(CANOPY_CM.x, CANOPY_CM.y, place.z);
@@ -139,7 +141,7 @@ void main() {
             float blade = clamp((s - FLOAT) / (1.0 - FLOAT), 0.0, 1.0);
             float ball = sin(3.1416 * min(s / FLOAT, 1.0));
             width = grown * look.x * (1.75 * sqrt(blade * (1.0 - blade)) * (1.0 - 0.45 * blade));
-            if (t < 0.25) {
+            if (t < FLOAT_ROWS) {
                 width = 0.07 * look.x + 0.3 * look.x * ball;
                 side = cross(along, eyeward);
                 colour = mix(colour, vec3(0.20, 0.16, 0.05), 0.6);
@@ -170,11 +172,13 @@ void main() {
     side -= along * dot(side, along);
     side = normalize(side + 1e-4 * vec3(along.y, -along.x, 0.3));
     vec3 normal = cross(along, side);
-    float frill = 6.2832 * (t * length_cm / (5.0 + 1.6 * look.x) + own);
-    float edge = within.y * smoothstep(0.05, 0.3, t) * frilled;
+    float waves = min(length_cm / (5.0 + 1.6 * look.x), kind == KELP ? KELP_WAVES : WAVES);
+    float frill = 6.2832 * (t * waves + own);
+    // The few vertices of a coarse ribbon would make corners of its frill.
+    float edge = within.y * smoothstep(0.05, 0.3, t) * frilled * (1.0 - coarse);
     float wave = within.y > 0.0 ? sin(frill) : sin(1.13 * frill + 2.0);
     // Ragged: no two waves of its edge are as wide.
-    float ragged = 1.0 + 0.13 * min(frilled, 1.0) * sin(2.7 * frill + 5.0 * within.y) * t;
+    float ragged = 1.0 + 0.13 * min(frilled, 1.0) * sin(1.4 * frill + 5.0 * within.y) * t;
     place += width * (0.5 * ragged * within.y * side + abs(edge) * (0.20 * wave + 0.12) * normal);
     // Beneath the surface, which bends it over.
     if (kind == KELP && place.z > -10.0) place.z = -4.0 - 6.0 * exp(-(place.z + 10.0) / 6.0);

@@ -1,7 +1,7 @@
 // What lies on a fish: scales, each with a tilt of its own, and eyes that bulge.
 
-const vec2 SCALES = vec2(100.0, 40.0);  // per body length along, from ridge to ridge
-const float TILT = 0.20, ROUND = 0.22;  // of a scale: at random, and as it bulges
+const vec2 SCALES = vec2(72.0, 32.0);  // per body length along, from ridge to ridge
+const float TILT = 0.24, ROUND = 0.34;  // of a scale: at random, and as it bulges
 
 // A colour as an individual wears it: `tone` is a tint and how saturated it is.
 vec3 toned(vec3 colour, vec4 tone) {
@@ -30,5 +30,5 @@ vec3 scales(vec2 place, float across, float identity, float plain, out float see
     vec2 slope = seen * (TILT * own + ROUND * vec2(within.x, -0.6 * within.y));
     // Darker where it goes under the one before it.
     float edge = smoothstep(-0.5, -0.2, within.x) - 0.7 * dot(within, within);
-    return vec3(slope, 1.0 + seen * (0.24 * edge - 0.17 + 0.10 * own.x));
+    return vec3(slope, 1.0 + seen * (0.36 * edge - 0.25 + 0.10 * own.x));
 }
