@@ -30,7 +30,7 @@ SPECIES, SEEN = marked("Species met"), marked("Behaviors seen")
 Text = Annotated[str, Meta(max_length=200)]
 
 
-class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class LogEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The first time that a subject was seen."""
 
     day: date
@@ -41,7 +41,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     version: int = 1
-    entries: dict[Text, Entry] = {}
+    entries: dict[Text, LogEntry] = {}
 
 
 class Logbook:
@@ -49,7 +49,7 @@ class Logbook:
 
     def __init__(self, folder: Path | None = None) -> None:
         """Start empty. Nothing is kept without a `folder`."""
-        self.folder, self.entries = folder, dict[str, Entry]()
+        self.folder, self.entries = folder, dict[str, LogEntry]()
         self.visit: dict[str, bool] = {}  # subjects of this visit; True: seen for the first time
 
     def read(self) -> str:
@@ -82,7 +82,7 @@ class Logbook:
             self.entries[subject] = msgspec.structs.replace(before, visits=before.visits + 1)
             self._write()
             return False
-        self.entries[subject] = Entry(date.today(), place[:200])
+        self.entries[subject] = LogEntry(date.today(), place[:200])
         if pixels is None:
             self._write()
         else:

@@ -75,7 +75,7 @@ SATED = 0.05  # hunger below which a wandering predator is full
 
 
 def sentence(world: World, fish: int) -> str:
-    """What a fish is about, in the language of visitors."""
+    """Say what a fish is about, in the language of visitors."""
     return translated(_words(world, fish))
 
 

@@ -34,7 +34,7 @@ FADE_S = 0.6
 
 
 class Prompt(NamedTuple):
-    """What a visitor may try now."""
+    """Something that a visitor may try now."""
 
     words: str  # with {key} for the input of `control`
     control: ControlName | None
@@ -169,7 +169,7 @@ class Introduction:
 
     @property
     def caption(self) -> Caption:
-        """What is said about the place now."""
+        """The words about the place that are shown now."""
         if self._since_s is None:
             return Caption()
         scenario = self._dive.scenario

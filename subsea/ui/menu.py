@@ -309,7 +309,7 @@ class Menu:
 
     @property
     def _met(self) -> str:
-        """How many subjects the logbook has."""
+        """The number of subjects in the logbook, and of all."""
         book = self.dive.logbook.book
         return f"{len(book.entries)} / {sum(map(len, subjects(book.entries)))}"
 

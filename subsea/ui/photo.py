@@ -45,8 +45,8 @@ WITH_PHOTO: tuple[Command, ...] = (
 REFUSED = marked("no photo mode here: several computers or a headset show this dive")
 
 
-class Lens(NamedTuple):
-    """What the sliders say."""
+class LensSettings(NamedTuple):
+    """The lens and the exposure that the sliders set."""
 
     aperture_cm: float = 1.5
     focus_cm: float = 250.0
@@ -60,7 +60,7 @@ class PhotoMode:
         """Start closed."""
         self._dive = dive
         self.open = False
-        self.lens, self.caption = Lens(), ""
+        self.lens, self.caption = LensSettings(), ""
         self._was_paused = self._gui_was_open = False
         self._mean, self._taken = MeanPictures(), 0
         self._about: object = None  # what the mean shows
@@ -203,7 +203,7 @@ class PhotoMode:
                 f"{translated(label)}##{name}", getattr(lens, name), low, high, form, flags
             )
             imgui.same_line(0.0, 1.2 * line)
-        self.lens = Lens(**values)
+        self.lens = LensSettings(**values)
         imgui.new_line()
         imgui.set_next_item_width(16.0 * line)
         hint = translated(marked("a caption under the picture"))

@@ -1,4 +1,4 @@
-"""What a visitor sees is entered in the logbook, in a real window."""
+"""The logbook of a dive in a real window: subjects that a visitor sees are entered."""
 
 from contextlib import closing
 

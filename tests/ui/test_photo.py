@@ -9,7 +9,7 @@ from PIL import Image
 from subsea.dive.settings import PictureSettings, Settings
 from subsea.ui import photo as photo_module
 from subsea.ui.dive import Dive
-from subsea.ui.photo import Lens
+from subsea.ui.photo import LensSettings
 from subsea.world import snapshot
 from tests.support.windows import dive_options
 
@@ -39,7 +39,7 @@ def photo(boat, user):
     user.until(boat, lambda: boat.photo.open)
     yield boat.photo
     boat.photo.close()
-    boat.photo.lens, boat.photo.caption = Lens(), ""
+    boat.photo.lens, boat.photo.caption = LensSettings(), ""
 
 
 def taken(boat, user, folder):
@@ -100,9 +100,9 @@ def test_other_commands_rest(boat, photo):
 
 
 def test_a_lens_blurs_what_is_out_of_focus(boat, photo, user, folder):
-    photo.lens = Lens(aperture_cm=0.0)
+    photo.lens = LensSettings(aperture_cm=0.0)
     sharp = taken(boat, user, folder)
-    photo.lens = Lens(aperture_cm=6.0, focus_cm=60.0)
+    photo.lens = LensSettings(aperture_cm=6.0, focus_cm=60.0)
     blurred = taken(boat, user, folder)
     edges = [np.abs(np.diff(picture, axis=1)).mean() for picture in (sharp, blurred)]
     assert edges[1] < 0.85 * edges[0]
@@ -110,9 +110,9 @@ def test_a_lens_blurs_what_is_out_of_focus(boat, photo, user, folder):
 
 
 def test_brightness_is_that_of_the_light_before_the_tones(boat, photo, user, folder):
-    photo.lens = Lens(aperture_cm=0.0)
+    photo.lens = LensSettings(aperture_cm=0.0)
     usual = taken(boat, user, folder)
-    photo.lens = Lens(aperture_cm=0.0, brighter_ev=1.0)
+    photo.lens = LensSettings(aperture_cm=0.0, brighter_ev=1.0)
     brighter = taken(boat, user, folder)
     assert brighter.mean() > 1.2 * usual.mean() and brighter.max() <= 255.0
     boat.photo.close()
@@ -121,7 +121,7 @@ def test_brightness_is_that_of_the_light_before_the_tones(boat, photo, user, fol
 
 
 def test_a_caption_is_on_the_saved_picture_only(boat, photo, user, folder):
-    photo.lens = Lens(aperture_cm=0.0)
+    photo.lens = LensSettings(aperture_cm=0.0)
     plain = taken(boat, user, folder)
     photo.caption = "At home"
     lettered = taken(boat, user, folder)
@@ -140,12 +140,12 @@ def test_focus_is_what_the_pointer_clicks(boat, photo, user):
     user.do("mousemove", left + SIZE[0] // 2, top + round(0.3 * SIZE[1]))
     user.glide(boat, 0.2)
     user.do("click", 1)
-    user.until(boat, lambda: photo.lens.focus_cm != Lens().focus_cm)
+    user.until(boat, lambda: photo.lens.focus_cm != LensSettings().focus_cm)
     assert photo.lens.focus_cm == pytest.approx(90.0, abs=12.0)
 
 
 def test_the_gallery_shows_pictures_and_leaves_out_damaged_ones(boat, photo, user, folder):
-    photo.lens = Lens(aperture_cm=0.0)
+    photo.lens = LensSettings(aperture_cm=0.0)
     taken(boat, user, folder)
     (folder / "damaged.png").write_bytes(b"\x89PNG none")
     photo._open_gallery()
@@ -161,7 +161,7 @@ def test_a_full_disk_is_one_line_and_the_photo_stays(boat, photo, user, monkeypa
     blocked = tmp_path / "blocked"
     blocked.write_text("")
     monkeypatch.setattr(boat.shots, "_folder", blocked)
-    photo.lens = Lens(aperture_cm=0.0)
+    photo.lens = LensSettings(aperture_cm=0.0)
     photo.caption = "Not lost"
     boat.run_command("picture")
     user.until(boat, lambda: str(blocked) in boat.overlay.note_text)
