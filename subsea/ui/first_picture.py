@@ -53,7 +53,7 @@ class LoadingBar:
                 self._begin(self._compiled + rest * share, self._compiled + rest * end)
 
     def _begin(self, begun: float, end: float) -> None:
-        self._begun, self._end = max(begun, self._begun), end
+        self._begun, self._end = max(begun, self.share), end
         self._since_s = time.monotonic()
 
     @property
