@@ -147,6 +147,7 @@ CARD = (
     imgui.WindowFlags_.always_auto_resize.value
     | imgui.WindowFlags_.no_move.value
     | imgui.WindowFlags_.no_collapse.value
+    | imgui.WindowFlags_.no_scrollbar.value  # the wheel scrolls in a small window
 )
 
 
@@ -244,7 +245,8 @@ class Inspector(PanelContext):
         self.cards = {name: area for name, area in self.cards.items() if name in names}
         sizes = {name: area[2:] for name, area in self.cards.items()}
         if not imgui.is_mouse_down(0):  # a slider must not slip away
-            self.cards |= dock(sizes, self.cards, room, kept, GAP * line)
+            docked = {name: area for name, area in self.cards.items() if area[0] < screen.x}
+            self.cards |= dock(sizes, docked, room, kept, GAP * line)
         imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.45 * line, 0.3 * line))
         for name in names:
             known = self.cards.get(name)
