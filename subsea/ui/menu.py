@@ -23,7 +23,7 @@ from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
 from subsea.scenario.schema import MAX_SEED
 from subsea.scenario.storage import read_thumbnail
-from subsea.ui.gui import DEEP, MARK, QUIET, colour
+from subsea.ui.gui import DEEP, LIT, MARK, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
 from subsea.world.repertoires import file_version
 
@@ -85,10 +85,11 @@ LARGE = 2.0  # size of its letters over that of other text, if there is room
 LEAST = 1.0  # least size over that of other text; then pages scroll
 PADDING = 0.25  # above and below its text
 LEAST_ABOUT = 0.75  # of the size of a long line below an entry over that of others
+ASIDE_SIZE = 0.8  # of the letters at the right end, over those of its text
 ABOUT_SIZE = 0.7  # of the letters below an entry, over those of its text
 WIDE = 17.0  # width of an entry, in the same
 THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
-MORE = {"Keys": 6.0} | dict.fromkeys(("Scenario", SPECIES, SEEN, VISIT), THUMBNAIL[0])
+MORE = {"Keys": 9.0} | dict.fromkeys(("Scenario", SPECIES, SEEN, VISIT), THUMBNAIL[0])
 """By how much pages with long lines or pictures are wider, in heights of letters."""
 RECENTRE = marked("Look straight ahead first.")
 SEED = marked("The same seed, the same dive; another one, another dive.")
@@ -127,6 +128,7 @@ class Menu:
         self._files: dict[Path, ScenarioSummary] = {}
         self._thumbnails: dict[Path, ImageTexture | None] = {}
         self._waiting: ControlName | None = None  # for its key
+        self._focused = "", ""  # page and text of the focused entry
         self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
             "": self._first,
             "Display": self._displays,
@@ -228,7 +230,10 @@ class Menu:
     def draw_entry(self, entry: Entry, line: float) -> None:
         """Draw one line of the menu, its letters `line` high."""
         clear = (0.0, 0.0, 0.0, 0.0)
-        imgui.push_style_color(imgui.Col_.button.value, clear)
+        # Only the focused entry is light, which the pointer takes along when it moves.
+        light = (*LIT, 0.8) if self._focused == (self.page, entry.text) else clear
+        imgui.push_style_color(imgui.Col_.button.value, light)
+        imgui.push_style_color(imgui.Col_.button_hovered.value, light)
         room = ROW - 1.12 - 2.0 * PADDING  # for the text in the upper ROW of it
         align = 0.0, 0.5 * room / (room + entry.high - ROW)
         imgui.push_style_var(imgui.StyleVar_.button_text_align.value, align)
@@ -237,8 +242,10 @@ class Menu:
         size = self._width * line, (entry.high - 0.12) * line
         pressed = imgui.button(f"{entry.text}##{entry.aside}", size)
         imgui.pop_style_var(2)
-        imgui.pop_style_color()
+        imgui.pop_style_color(2)
         self._focus_under_pointer()
+        if imgui.is_item_focused():
+            self._focused = self.page, entry.text
         if entry.picture and imgui.is_item_visible():
             self._draw_thumbnail(entry.picture, line)
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
@@ -247,7 +254,7 @@ class Menu:
             bar = (low.x, low.y + 0.2 * line), (low.x + 0.25 * line, high.y - 0.2 * line)
             canvas.add_rect_filled(*bar, colour(MARK), 0.12 * line)
         if entry.aside:
-            imgui.push_font(None, 0.7 * line)
+            imgui.push_font(None, ASIDE_SIZE * line)
             box = imgui.calc_text_size(entry.aside)
             place = high.x - box.x - 0.7 * line, (low.y + ground - box.y) / 2
             canvas.add_text(place, colour(QUIET), entry.aside)
