@@ -280,16 +280,21 @@ def dock(
     A card stays where it was `before` as long as it covers nothing. Where there is not room for
     all, a card covers as little of the kept areas as it can.
     """
-    placed: dict[str, Area] = {}
-    for name, (wide, high) in sizes.items():
-        least: tuple[float, ...] = (math.inf,)
-        others = [placed.get(other, before.get(other)) for other in sizes if other != name]
-        taken = [area for area in others if area is not None]
-        for area, far in _docks(name, (wide, high), before.get(name), room, (*kept, *taken), gap):
-            covered = sum(common(area, one) for one in kept)
-            cost = round(covered), round(sum(common(area, one) for one in taken)), far
-            if cost < least:
-                placed[name], least = area, cost
+    there, placed = before, dict[str, Area]()
+    for _ in range(2):  # again, as a card that moves may take the place of a later one
+        placed = {}
+        for name, (wide, high) in sizes.items():
+            least: tuple[float, ...] = (math.inf,)
+            others = [placed.get(other, there.get(other)) for other in sizes if other != name]
+            taken = [area for area in others if area is not None]
+            for area, far in _docks(
+                name, (wide, high), there.get(name), room, (*kept, *taken), gap
+            ):
+                covered = sum(common(area, one) for one in kept)
+                cost = round(covered), round(sum(common(area, one) for one in taken)), far
+                if cost < least:
+                    placed[name], least = area, cost
+        there = placed
     return placed
 
 
