@@ -119,7 +119,7 @@ PUSHED = 0.5  # amount from which a part of a gamepad navigates
 
 
 class Look(NamedTuple):
-    """How text and panels look, by the settings."""
+    """The look of text and panels, by the settings."""
 
     text: float = 1.0  # factor on the size of letters
     contrast: bool = False  # opaque grounds, no quiet colours, no thin strokes
