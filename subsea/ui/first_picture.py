@@ -31,7 +31,7 @@ COMPILED = 0.7  # share of all work if kernels must be compiled
 
 
 class LoadingBar:
-    """How much of the loading is done, by the lines on its progress."""
+    """The share of the loading that is done, by the lines on its progress."""
 
     def __init__(self) -> None:
         """Start with nothing done."""
