@@ -137,7 +137,10 @@ def run(options: Namespace) -> int:
             if display.mode not in (PAGED, HEADSET):
                 shown = display.mode, display.size, display.fullscreen, display.stereo
                 about = (chosen.seed, chosen.fish, *shown, display.surround)
-                first = FirstPicture(picture_name(scenario, chosen.changes, about))
+                place = scenario if display.mode == "mono" else None
+                shape = display.size[0] / display.size[1]
+                name = picture_name(scenario, chosen.changes, about)
+                first = FirstPicture(name, place, shape)
             opening = open_windows(
                 display.mode, display.size, display.fullscreen, chosen.settings, first=first
             )

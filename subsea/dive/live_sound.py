@@ -86,6 +86,11 @@ class LiveSound:
         """The volume, for a line about sound."""
         return translated("off") if self.settings.mute else f"{self.settings.volume:.0%}"
 
+    @property
+    def missing(self) -> bool:
+        """True if sound should be played here, and the system has no device for it."""
+        return self._plays and self._player.missing
+
     def check(self) -> None:
         """Look after the device, once a frame."""
         if self._plays and (line := self._player.check()):

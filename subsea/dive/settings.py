@@ -268,6 +268,10 @@ class MouseSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
         float,
         Meta(ge=0.2, le=5, description="0.2 to 5: above 1 the pointer need not go to the edge"),
     ] = 1.0
+    touch: Annotated[
+        bool,
+        Meta(description="a touch screen: drag to look, hold to go, tap a fish for its card"),
+    ] = False
 
 
 class GamepadSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -336,6 +340,13 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         Literal["full", "short", "off"],
         Meta(description="how a dive begins: full (short for those who return), short or off"),
     ] = "full"
+    text: Annotated[
+        Literal["normal", "large", "largest"],
+        Meta(description="the size of all text: normal, large or largest"),
+    ] = "normal"
+    contrast: Annotated[
+        bool, Meta(description="opaque grounds behind text, and no thin or quiet lines")
+    ] = False
     language: Annotated[
         Literal["auto", "en", "de", "es", "fr", "ja"],
         Meta(description="of what visitors read: auto (as the desktop), en, de, es, fr or ja"),

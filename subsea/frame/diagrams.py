@@ -164,15 +164,16 @@ MOST = {
 
 AROUND = ("sensitivity", "school", "perception")  # diagrams outside of a body
 
+# Colours that differ in meaning remain apart for colour-blind eyes: see `test_colours.py`.
 PALE, RED = (0.95, 0.86, 0.80), (0.95, 0.10, 0.08)  # a muscle at rest, and contracted
 CONTRACTED = 0.2  # shortening, as a share of the length, at which a muscle is all red
 CROSS, OTHER = (0.45, 0.62, 0.72), (0.86, 0.92, 0.94)
-MESH, FIN = (0.95, 0.86, 0.40), (0.95, 0.66, 0.36)
+MESH, FIN = (0.98, 0.92, 0.50), (0.85, 0.45, 0.15)
 CALM, ALARMED = (0.36, 0.90, 0.66), (0.95, 0.30, 0.20)
 LEADER, COMPANION = (0.95, 0.80, 0.30), (0.45, 0.80, 0.95)
-SIGHT, SMELL, BLIND = (0.55, 0.85, 0.95), (0.70, 0.95, 0.45), (0.95, 0.45, 0.55)
-VESSEL, EYES = (0.95, 0.90, 0.72), (0.75, 0.95, 0.85)
-AXES: tuple[Colour, ...] = (0.95, 0.25, 0.20), (0.35, 0.90, 0.30), (0.35, 0.55, 0.95)
+SIGHT, SMELL, BLIND = (0.45, 0.70, 1.0), (0.98, 0.95, 0.55), (0.80, 0.22, 0.25)
+VESSEL, EYES = (0.98, 0.80, 0.35), (0.70, 0.92, 1.0)
+AXES: tuple[Colour, ...] = (0.90, 0.20, 0.15), (0.75, 0.95, 0.45), (0.25, 0.40, 0.95)
 PATH, WAKE, EDGE = (0.90, 0.90, 0.75), (0.95, 0.90, 0.72), (0.80, 0.90, 0.95)
 
 STRONG, PLAIN, FAINT = 1.0, 0.75, 0.35  # opacity: of the chosen fish, of all, of others

@@ -75,6 +75,11 @@ class Player:
         self._asked_s = time.monotonic()
         self._tried_s = -AGAIN_S
 
+    @property
+    def missing(self) -> bool:
+        """True if a device was looked for, and none plays."""
+        return self._device is None and self._tried_s >= 0.0
+
     def push(self, moment: Moment) -> None:
         """Let a moment be heard next."""
         self._waiting.append((time.monotonic(), moment))

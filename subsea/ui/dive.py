@@ -29,7 +29,9 @@ from subsea.scenario.shoals import find_fish, with_total
 from subsea.scenario.storage import held
 from subsea.sound.space import at_rest
 from subsea.ui.commands import Commands
+from subsea.ui.first_picture import FirstPicture, LoadingBar
 from subsea.ui.fish_card import FishCard
+from subsea.ui.gui import set_look
 from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
@@ -42,10 +44,13 @@ from subsea.ui.photo import PhotoMode
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences
 from subsea.ui.text_layer import TextLayer
+from subsea.ui.touch import TouchScreen
 from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
 from subsea.world.world import World
+
+BAR_S = 0.2  # between two pictures of the loading bar
 
 
 class Dive:
@@ -91,7 +96,11 @@ class Dive:
         opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
         )
-        self._opening, self._first = opening, opening.first  # until the world is there
+        self._shows_place = installation is None and display.mode == "mono"
+        # Until the world is there.
+        self._first = opening.first or self._place_picture(self.source, display.size)
+        self._opening = opening._replace(first=self._first)
+        self._bar, self._message, self._shown_s = LoadingBar(), "loading", 0.0
         self.window_set, self.gui, self.pilot = opening.window_set, opening.gui, opening.pilot
         self.window = self.window_set.front
         with ExitStack() as undo:
@@ -113,7 +122,7 @@ class Dive:
             undo.callback(self.menu.release)
             self.logbook = LogbookKeeper(self, settings.pictures.logbook, options.kiosk)
             self.introduction = Introduction(self)
-            self.photo, self.card = PhotoMode(self), FishCard(self)
+            self.photo, self.card, self.touch = PhotoMode(self), FishCard(self), TouchScreen(self)
             undo.callback(self.photo.release)
             self.commands = Commands(self)
             self.text = TextLayer(self, settings)
@@ -322,6 +331,7 @@ class Dive:
         picture.draw(self.overlay.help_hidden, self.inspector.chosen)
         if self._first is not None:
             self._first.keep(self.window_set.picture())
+            self._first.release()
             self._first = None
         self.logbook.look(elapsed_s)
         if self.photo.open:
@@ -349,10 +359,13 @@ class Dive:
         if blank >= 1.0:
             self._present_black()
             return
+        self._message = text
+        self._bar.follow(text)
         words, colon, figures = text.partition(": ")
         text = translated(words) + colon + figures
-        if self._first is not None and self._first.known:
-            self._opening.show(text)
+        if self._first is not None and blank == 0.0:
+            self._opening.show(text, self._bar.share)
+            self._shown_s = time.monotonic()
             return
         self.text.message(text)
         self.picture.blacken(blank)
@@ -383,7 +396,16 @@ class Dive:
     def _load(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """Make a world in a thread while the windows handle events."""
         loaded = LoadedScenario(scenario, source)
+        if self._first is None:
+            self._first, self._bar = self._place_picture(source, self.window.size), LoadingBar()
+            self._opening = self._opening._replace(first=self._first)
         return run_in_background(lambda tell: ready_world(loaded, seed, tell), self._wait)
+
+    def _place_picture(self, source: Path, size: tuple[int, int]) -> FirstPicture | None:
+        """The picture of a scenario's place for one flat window of that size."""
+        if not self._shows_place:
+            return None
+        return FirstPicture(scenario=source, shape=size[0] / size[1])
 
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
@@ -419,6 +441,7 @@ class Dive:
         """Follow settings that a visitor changed."""
         self.pilot.settings, self.pilot.bindings = settings, settings.bindings
         self.text.set_comfort(settings.comfort)
+        set_look(settings.display)
         self.overlay.help = self._help(settings)
 
     def _help(self, settings: Settings) -> HelpContent:
@@ -454,6 +477,8 @@ class Dive:
         if message is not None:
             say(message)
             self.show_message(message)
+        elif self._first is not None and time.monotonic() - self._shown_s > BAR_S:
+            self.show_message(self._message)
 
 
 def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[str] = ()) -> int:

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 from subsea.base.language import marked, translated
 from subsea.dive.plain_words import sentence
 from subsea.dive.settings import ControlName, key_words
-from subsea.ui.gui import GLASS, INK, MARK, QUIET, colour
+from subsea.ui.gui import GLASS, INK, MARK, QUIET, colour, ground
 
 if TYPE_CHECKING:
     from subsea.ui.dive import Dive
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 LOOK_S = 0.2  # between two looks at what is under the pointer
 REST_S = 0.3  # for which a fish is under the pointer before its card appears
 FADE_S = 0.25
+TAPPED_S = 8.0  # for which the card of a tapped fish stays
 REACH = 0.04  # share of the picture's height around a fish that may be under the pointer
 WIDEST = 20.0  # of a sentence, in heights of letters
 AWAY = 1.2  # between the fish and its card, in heights of letters
@@ -35,10 +36,17 @@ class FishCard:
         self.area = (0.0, 0.0), (0.0, 0.0)  # its corners on the screen
         self._under: int | None = None  # the fish under the pointer ...
         self._for_s, self._since_s = 0.0, 0.0  # ... for this time; time since the last look
+        self._stays_s = 0.0  # for this time the card of a tapped fish stays
 
     def clear(self) -> None:
         """Forget the fish: the world was replaced."""
         self.fish, self._under, self.opacity = None, None, 0.0
+        self._stays_s = 0.0
+
+    def tap(self) -> None:
+        """Show the card of the fish under a finger for a while, or hide that of another."""
+        self._under, self._stays_s = self._look(), TAPPED_S
+        self._for_s = REST_S
 
     def update(self, elapsed_s: float, wanted: bool) -> None:
         """Look under the pointer, `elapsed_s` after the last frame; hide the card unless `wanted`.
@@ -46,7 +54,10 @@ class FishCard:
         The exact look costs a small picture, so it waits for a fish about there.
         """
         self._since_s += elapsed_s
-        if self._since_s >= LOOK_S:
+        self._stays_s -= elapsed_s
+        if self._dive.pilot.settings.mouse.touch:  # a lifted finger leaves the pointer there
+            self._under = self._under if self._stays_s > 0.0 else None
+        elif self._since_s >= LOOK_S:
             under = self._look() if wanted else None
             self._for_s = self._for_s + self._since_s if under == self._under else 0.0
             self._under, self._since_s = under, 0.0
@@ -111,7 +122,7 @@ class FishCard:
         top = min(max(y - high / 2, 0.3 * line), max(size.y - high - 0.3 * line, 0.0))
         self.area = (left, top), (left + wide, top + high)
         canvas = imgui.get_background_draw_list()
-        canvas.add_rect_filled(*self.area, colour(GLASS, 0.8 * self.opacity), 0.35 * line)
+        canvas.add_rect_filled(*self.area, colour(GLASS, ground(0.8) * self.opacity), 0.35 * line)
         y_text = top + 0.3 * line
         for (text, rgb, scale), box in zip(lines, boxes, strict=True):
             imgui.push_font(None, scale * line)

@@ -10,7 +10,7 @@ import glfw
 from imgui_bundle import imgui
 
 from subsea.base.language import japanese_font, latin_font
-from subsea.dive.settings import MODIFIER_KEYS, key_name
+from subsea.dive.settings import MODIFIER_KEYS, DisplaySettings, key_name
 from subsea.view.front_screen import WHOLE, TextViewport
 
 MODIFIERS = (
@@ -66,6 +66,8 @@ class KeyQueue:
 Rgb = tuple[float, float, float]
 
 TEXT_PT = 18.0
+LINES = 60.0  # of text at most in the height of a window: on large screens letters are larger
+STEPS = {"normal": 1.0, "large": 1.3, "largest": 1.7}  # of the size of text
 ROOM = 34.0, 20.0  # smallest screen for the help, in heights of its letters
 SQUEEZED = 1.2  # factor on text in squeezed viewports, which is also bold
 INK = (0.93, 0.97, 1.0)
@@ -73,10 +75,12 @@ QUIET = (0.62, 0.76, 0.84)
 DEEP = (0.02, 0.13, 0.20)
 GLASS = (0.01, 0.06, 0.10)  # background of panels
 LIT = (0.16, 0.52, 0.66)
-MARK = (0.55, 0.90, 1.0)  # the chosen item, and curves
-WARM = (0.98, 0.70, 0.45)  # warnings
+MARK = (0.40, 0.80, 1.0)  # the chosen item, and curves
+WARM = (0.98, 0.75, 0.35)  # warnings
+REFUSED = (0.90, 0.25, 0.25)  # what is not possible
 SHADE = (0.0, 0.05, 0.08)  # behind text over the sea
 BACKING = 0.6  # opacity of a dark ground under text
+FIRM = 2.5  # least width of strokes with more contrast, in pixels
 CLAMP = imgui.SliderFlags_.always_clamp.value  # also what is typed
 
 KEYS = {
@@ -114,6 +118,27 @@ PADS = {
 PUSHED = 0.5  # amount from which a part of a gamepad navigates
 
 
+class Look(NamedTuple):
+    """The look of text and panels, by the settings."""
+
+    text: float = 1.0  # factor on the size of letters
+    contrast: bool = False  # opaque grounds, no quiet colours, no thin strokes
+
+
+_look = Look()  # of this process, as its language is
+
+
+def look() -> Look:
+    """The present look."""
+    return _look
+
+
+def set_look(display: DisplaySettings) -> None:
+    """Follow the settings of the display; panels follow with the next frame."""
+    global _look
+    _look = Look(STEPS[display.text], display.contrast)
+
+
 class Gui:
     """Draws frames over the picture, with the OpenGL 3 backend.
 
@@ -141,7 +166,7 @@ class Gui:
         self._window = 1.0, 1.0
         self._viewports: Sequence[TextViewport] = (WHOLE,)
         self._last = time.perf_counter()
-        _set_style(imgui.get_style())
+        self._styled: Look | None = None
 
     def _font(self, weight: Literal["Regular", "Bold"]) -> Any:
         """A font whose letters of Japanese are those of another."""
@@ -159,6 +184,9 @@ class Gui:
 
         All later drawing goes to each of the `viewports`, for both eyes at the depth of the screen.
         """
+        if self._styled != look():
+            self._styled = look()
+            _set_style(imgui.get_style())
         imgui.backends.opengl3_new_frame()
         now = time.perf_counter()
         self._io.delta_time, self._last = max(now - self._last, 1e-4), now
@@ -175,8 +203,9 @@ class Gui:
         self._keys.feed()
         imgui.new_frame()
         self._unsure = max(self._unsure - 1, 0)
+        usual = max(TEXT_PT * scale, height / LINES) * look().text
         tall = min(
-            TEXT_PT * scale * (SQUEEZED if viewport.squeezed else 1.0),
+            usual * (SQUEEZED if viewport.squeezed else 1.0),
             width / ROOM[0],
             height / ROOM[1],
         )
@@ -339,9 +368,21 @@ def fill_with_text(text: str) -> None:
 
 
 def text_at_foot(text: str) -> None:
-    """Write one line of text at the foot of the window, in the current frame."""
+    """Write one line of text near the foot of the window, in the current frame."""
     size = imgui.get_io().display_size
-    draw_line(text, size, size.y - 1.2 * imgui.get_font_size())
+    draw_line(text, size, size.y - 1.6 * imgui.get_font_size())
+
+
+def draw_loading_bar(share: float) -> None:
+    """Draw a bar along the foot of the window that is filled by a share in [0, 1]."""
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    canvas = imgui.get_background_draw_list()
+    left, right, top = 1.2 * line, size.x - 1.2 * line, size.y - 0.9 * line
+    high = max(0.25 * line, 2.0)
+    canvas.add_rect_filled((left, top), (right, top + high), colour(SHADE, 0.7), 0.5 * high)
+    tip = left + min(max(share, 0.0), 1.0) * (right - left)
+    if tip > left + high:
+        canvas.add_rect_filled((left, top), (tip, top + high), colour(MARK), 0.5 * high)
 
 
 def draw_line(text: str, size: Any, foot: float) -> float:
@@ -359,8 +400,20 @@ def draw_line(text: str, size: Any, foot: float) -> float:
 
 def colour(rgb: Rgb, alpha: float = 1.0) -> int:
     """A colour packed for draw lists."""
+    if look().contrast and rgb == QUIET:
+        rgb = INK
     packed: int = imgui.get_color_u32((*rgb, alpha))
     return packed
+
+
+def stroke(wide: float) -> float:
+    """The width of a line: with more contrast none is thin."""
+    return max(wide, FIRM) if look().contrast else wide
+
+
+def ground(opacity: float) -> float:
+    """The opacity of a ground behind text: with more contrast it hides what is behind it."""
+    return 1.0 if look().contrast else opacity
 
 
 def draw_backing(
@@ -371,7 +424,7 @@ def draw_backing(
     imgui.get_background_draw_list().add_rect_filled(
         (left - room, top - 0.5 * room),
         (right + room, foot + 0.5 * room),
-        colour(SHADE, BACKING * opacity),
+        colour(SHADE, ground(BACKING) * opacity),
         0.35 * line,
     )
 
@@ -383,7 +436,11 @@ def draw_shadowed_text(
     """Draw text with a shadow over the sea; `share` of its width lies left of the place."""
     canvas = imgui.get_background_draw_list()
     imgui.push_font(None, size)
-    x, y = place[0] - share * imgui.calc_text_size(text).x, place[1]
+    box = imgui.calc_text_size(text)
+    x, y = place[0] - share * box.x, place[1]
+    if look().contrast and text:
+        low, high = (x - 0.15 * size, y), (x + box.x + 0.15 * size, y + box.y)
+        canvas.add_rect_filled(low, high, colour(SHADE, alpha), 0.2 * size)
     for off, ink in (
         (max(0.06 * size, 1.0), colour(SHADE, 0.75 * alpha)),
         (0.0, colour(rgb, alpha)),
@@ -403,11 +460,13 @@ def _set_style(style: Any) -> None:
     """Style panels: dark glass over the sea, one light colour for the chosen item."""
     style.window_rounding, style.frame_rounding, style.grab_rounding = 8.0, 4.0, 4.0
     style.popup_rounding, style.scrollbar_rounding, style.tab_rounding = 6.0, 6.0, 4.0
-    style.window_border_size, style.popup_border_size = 0.0, 0.0
     style.window_padding, style.frame_padding = (12.0, 10.0), (7.0, 3.0)
     style.item_spacing = (8.0, 5.0)
+    border = 2.0 if look().contrast else 0.0
+    style.window_border_size = style.popup_border_size = style.frame_border_size = border
     names = imgui.Col_
     for name, rgb, alpha in (
+        (names.border, INK, 1.0),
         (names.text, INK, 1.0),
         (names.text_disabled, QUIET, 0.8),
         (names.window_bg, GLASS, 0.97),
@@ -438,4 +497,6 @@ def _set_style(style: Any) -> None:
         (names.plot_lines, MARK, 1.0),
         (names.plot_histogram, (0.40, 0.75, 0.86), 1.0),
     ):
+        if look().contrast:
+            rgb, alpha = INK if rgb == QUIET else rgb, ground(alpha)
         style.set_color_(name.value, (*rgb, alpha))

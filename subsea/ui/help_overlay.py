@@ -10,7 +10,18 @@ from imgui_bundle import imgui
 
 from subsea.base.language import marked, translated
 from subsea.dive.settings import Bindings, ControlName, key_words
-from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour, draw_backing, draw_shadowed_text
+from subsea.ui.gui import (
+    GLASS,
+    INK,
+    LIT,
+    MARK,
+    QUIET,
+    colour,
+    draw_backing,
+    draw_shadowed_text,
+    ground,
+    stroke,
+)
 
 MOUSE_WIDE, MOUSE_HIGH = 15.5, 15.0  # of the mouse and its labels, in heights of letters
 COLUMNS = 2  # of keys at most
@@ -197,7 +208,10 @@ def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
     canvas = imgui.get_background_draw_list()
     x, y = (size.x - wide * line) / 2, max((foot - high * line) / 2, 0.5 * line)
     canvas.add_rect_filled(
-        (x, y), (x + wide * line, y + high * line), colour(GLASS, 0.72 * opacity), 0.6 * line
+        (x, y),
+        (x + wide * line, y + high * line),
+        colour(GLASS, ground(0.72) * opacity),
+        0.6 * line,
     )
     _mouse(canvas, content, x + MOUSE_WIDE / 2 * line, y + MARGIN * line, line, opacity)
     left = x + MOUSE_WIDE * line
@@ -297,7 +311,7 @@ def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float)
     wide = _cap_width(key, line)
     corners = (x, y), (x + wide, y + CAP * line)
     canvas.add_rect_filled(*corners, colour(INK, 0.14 * opacity), 0.25 * line)
-    canvas.add_rect(*corners, colour(INK, 0.5 * opacity), 0.25 * line)
+    canvas.add_rect(*corners, colour(INK, ground(0.5) * opacity), 0.25 * line, stroke(1.0))
     middle = x + wide / 2, y + CAP / 2 * line
     if key in ARROWS:
         _arrow(canvas, *middle, ARROWS[key], 0.8 * line, colour(INK, opacity))

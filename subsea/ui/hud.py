@@ -23,7 +23,18 @@ from subsea.submarine.vessel import (
     YAW_RAD_S,
     hull_axes,
 )
-from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_backing, draw_shadowed_text
+from subsea.ui.gui import (
+    INK,
+    MARK,
+    QUIET,
+    SHADE,
+    colour,
+    draw_backing,
+    draw_shadowed_text,
+    ground,
+    look,
+    stroke,
+)
 from subsea.view.front_screen import FrontView
 
 STILL_S = 6.0  # they fade after this time without change
@@ -109,6 +120,11 @@ class Hud:
 def _backing(canvas: Any, middle: float, wide: float, size: Any, opacity: float) -> None:
     """Draw a soft shade under the instruments, darkest at the foot of the middle."""
     line = imgui.get_font_size()
+    if look().contrast:
+        reach = wide / 2 + (BAR + 4.5) * line
+        low, high = (middle - reach, size.y - HIGH * line), (middle + reach, size.y)
+        canvas.add_rect_filled(low, high, colour(SHADE, opacity), 0.35 * line)
+        return
     clear, shade = colour(SHADE, 0.0), colour(SHADE, 0.6 * opacity)
     top, reach = size.y - 1.5 * HIGH * line, wide / 2 + (BAR + 9.0) * line
     white = imgui.get_font_tex_uv_white_pixel()
@@ -141,8 +157,8 @@ def _compass(
         at, large = x + off * wide / 2, mark % 30 == 0
         top = high - (0.55 if large else 0.3) * line
         canvas.add_line((at + 1, top + 1), (at + 1, high + 1), colour(SHADE, shown), 2.0)
-        tint = colour(INK, (1.0 if large else 0.7) * shown)
-        canvas.add_line((at, top), (at, high), tint, max(0.09 * line, 1.0))
+        tint = colour(INK, (1.0 if large else ground(0.7)) * shown)
+        canvas.add_line((at, top), (at, high), tint, stroke(max(0.09 * line, 1.0)))
         if large:
             name = POINTS.get(mark % 360)
             rgb = MARK if name == "N" else INK
@@ -182,11 +198,11 @@ def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) 
         return begin + share * (BAR - 2.2) * line
 
     thick = max(0.16 * line, 2.0)
-    canvas.add_line((at(slow), y), (at(fast), y), colour(QUIET, 0.35 * opacity), thick)
+    canvas.add_line((at(slow), y), (at(fast), y), colour(QUIET, ground(0.35) * opacity), thick)
     canvas.add_line((at(0.0), y), (at(now.ahead_m_s), y), colour(MARK, opacity), 1.6 * thick)
     zero = at(0.0)
     canvas.add_line(
-        (zero, y - 0.25 * line), (zero, y + 0.25 * line), colour(INK, 0.8 * opacity), 1.5
+        (zero, y - 0.25 * line), (zero, y + 0.25 * line), colour(INK, 0.8 * opacity), stroke(1.5)
     )
     if now.set_share:
         mark = at(now.set_share * (fast if now.set_share > 0.0 else -slow))
@@ -279,7 +295,7 @@ def draw_horizon(front_view: FrontView, forward: Array) -> None:
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas, tint = imgui.get_background_draw_list(), colour(INK, SHOWN * min(share, 1.0))
     slope = (y1 - y0) / (x1 - x0)
-    thick = max(0.1 * line, 1.5)
+    thick = stroke(max(0.1 * line, 1.5))
     for begin, end in PARTS:
         ends = [(x * size.x, (y0 + slope * (x - x0)) * size.y) for x in (begin, end)]
         if all(0.0 < y < size.y for _, y in ends):

@@ -1,5 +1,7 @@
 """The inspector ("desk" in settings and manual): a bar that opens panels over the sea (Tu §9.3).
 
+Visitors see three cards (`ui/cards.py`); the panels of researchers stand behind "more".
+
 While it is open the pointer does not steer: it uses panels, and picks and drags things in the sea.
 Keys still steer.
 """
@@ -17,9 +19,11 @@ from msgspec import Meta
 
 from subsea.base.errors import UserError
 from subsea.base.files import read_text, replacing
+from subsea.base.language import marked, translated
 from subsea.dive.minds_text import name_of
-from subsea.dive.ride import ASPECT, EDGE, WIDE
+from subsea.dive.ride import ASPECT, EDGE, WIDE, nearest_to_middle
 from subsea.dive.settings import settings_path
+from subsea.ui.cards import CARDS, GAP, SEA, EyePictures, common, dock
 from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.fields import Area, PanelContext
@@ -99,14 +103,6 @@ def arrange(
     return placed
 
 
-def common(one: Area, other: Area) -> float:
-    """The area that two panels share."""
-    (x, y, width, height), (left, top, across, down) = one, other
-    shared_x = min(x + width, left + across) - max(x, left)
-    shared_y = min(y + height, top + down) - max(y, top)
-    return max(shared_x, 0.0) * max(shared_y, 0.0)
-
-
 def covers(over: Iterable[Area], area: Area) -> bool:
     """True if any of the areas `over` another hides a part of it."""
     return any(common(above, area) > 0.0 for above in over)
@@ -142,10 +138,17 @@ LEAST_RING = 0.6  # least radius, in heights of letters
 MARGIN, BAR = 0.7, 1.9  # around panels, and height of the bar, in heights of letters
 ABREAST = 84.0  # width of three panels, in heights of their letters
 LEAST_LETTERS = 0.82  # share of the usual height of letters
-BACK = "To the helm"  # the bar's last entry
+MORE, LESS = marked("more"), marked("less")  # the bar's entry for the panels of researchers
+BACK = marked("To the helm")  # the bar's last entry
 LEAST_SHARE = 0.1  # smallest factor on the bar's letters, in a narrow window
 LEAST_GAP = 2.0  # between the bar's entries, in pointer units
 PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizontal_scrollbar.value
+CARD = (
+    imgui.WindowFlags_.always_auto_resize.value
+    | imgui.WindowFlags_.no_move.value
+    | imgui.WindowFlags_.no_collapse.value
+    | imgui.WindowFlags_.no_scrollbar.value  # the wheel scrolls in a small window
+)
 
 
 class Inspector(PanelContext):
@@ -153,9 +156,12 @@ class Inspector(PanelContext):
 
     def __init__(self, dive: "Dive") -> None:
         super().__init__(dive)
-        self.shown: set[str] = set()  # names of open panels
+        self.shown: set[str] = set(CARDS)  # names of open cards and panels
+        self.more = False  # True if the bar names the panels of researchers
         self.areas: dict[str, Area] = {}  # of drawn panels
+        self.cards: dict[str, Area] = {}  # of drawn cards
         self._about: object = None  # the last subject
+        self._before: dict[tuple[float, float], dict[str, Area]] = {}  # areas on other screens
         self._screen = 0.0, 0.0  # size for which the panels are placed
         self.places = read_places()  # of panels that were dragged
 
@@ -170,18 +176,30 @@ class Inspector(PanelContext):
         gui.open = not gui.open
         if gui.open:
             self.dive.overlay.hide_help()  # it explains steering with the pointer
+            self._choose_for_cards()
         else:
             gui.release_all()
             write_places(self.places)
 
+    def _choose_for_cards(self) -> None:
+        """Choose the fish of the card or of the ride, or one ahead, if none is chosen."""
+        dive, picture = self.dive, self.dive.picture
+        if self.chosen is not None or not self.shown & set(CARDS) - {SEA}:
+            return
+        self.chosen = dive.card.fish if picture.ride is None else picture.ride.by.fish
+        if self.chosen is None and (front_view := picture.front_view) is not None:
+            self.chosen = nearest_to_middle(dive.world, front_view.view)
+
     def close(self) -> None:
-        """Save where the panels are."""
+        """Save where the panels are, and free the pictures of cards."""
+        self.state(EyePictures).release()
         write_places(self.places)
 
     def reset(self) -> None:
         """Clear the choice, after the world was replaced."""
         self.chosen = None
         self._changed = False
+        self.state(EyePictures).release()
 
     def draw(self) -> None:
         """Draw the bar and the open panels in the current frame."""
@@ -192,6 +210,7 @@ class Inspector(PanelContext):
         moved = self._arrange()
         self._mark_chosen()
         self._bar()
+        self._draw_cards()
         imgui.push_font(None, _letters())
         for name in [name for name in PANELS if name in self.shown]:
             _keep_inside(name)
@@ -214,9 +233,41 @@ class Inspector(PanelContext):
                 self.chosen = self.dive.picture.fish_at(*self.dive.gui.pointer)
         self.dragging &= imgui.is_mouse_down(0)
 
+    def _draw_cards(self) -> None:
+        """Draw the open cards where they are docked, with their titles in the present language."""
+        line, screen = imgui.get_font_size(), imgui.get_io().display_size
+        margin, bar = MARGIN * line, BAR * line
+        room = margin, bar, screen.x - 2.0 * margin, screen.y - bar - margin
+        kept = [] if self.subject is None or self.subject[1] is None else [self.subject[1]]
+        kept += eye_areas(screen.x, screen.y) if self.dive.picture.insets else ()
+        kept += self.areas.values()
+        names = [name for name in CARDS if name in self.shown]
+        self.cards = {name: area for name, area in self.cards.items() if name in names}
+        sizes = {name: area[2:] for name, area in self.cards.items()}
+        if not imgui.is_mouse_down(0):  # a slider must not slip away
+            docked = {name: area for name, area in self.cards.items() if area[0] < screen.x}
+            self.cards |= dock(sizes, docked, room, kept, GAP * line)
+        imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.45 * line, 0.3 * line))
+        for name in names:
+            known = self.cards.get(name)
+            # Its size is known when it was drawn once.
+            imgui.set_next_window_pos(known[:2] if known else (screen.x, screen.y))
+            imgui.set_next_window_size_constraints((0.0, 0.0), room[2:])
+            drawn, stays = imgui.begin(f"{translated(name)}###{name}", True, CARD)
+            if drawn:
+                CARDS[name](self)
+            size, corner = imgui.get_window_size(), known or (screen.x, screen.y)
+            self.cards[name] = corner[0], corner[1], size.x, size.y
+            imgui.end()
+            if not stays:
+                self.shown.discard(name)
+        imgui.pop_style_var()
+
     def _bar(self) -> None:
-        """Draw an entry for each panel and one to close; closer together if narrow."""
-        words = [*PANELS, BACK]
+        """Draw an entry for each card and panel and one to close; closer together if narrow."""
+        more = LESS if self.more else MORE
+        names = [*CARDS, *(PANELS if self.more else ())]
+        words = [*(translated(name) for name in names), translated(more), translated(BACK)]
         screen, style = imgui.get_io().display_size, imgui.get_style()
         wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 3 * len(words)
         room = screen.x - 2.0 * style.window_padding.x
@@ -225,15 +276,23 @@ class Inspector(PanelContext):
         imgui.push_font(None, imgui.get_font_size() * shrunk)
         imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (gap, style.item_spacing.y))
         if imgui.begin_main_menu_bar():
-            for name in PANELS:
-                if imgui.menu_item(name, "", name in self.shown)[0]:
+            for name in names:
+                if imgui.menu_item(translated(name), "", name in self.shown)[0]:
                     self._open_or_close(name)
             imgui.separator()
-            if imgui.menu_item(BACK, "", False)[0]:
+            if imgui.menu_item(translated(more), "", False)[0]:
+                self._show_more()
+            if imgui.menu_item(translated(BACK), "", False)[0]:
                 self.toggle()
             imgui.end_main_menu_bar()
         imgui.pop_style_var()
         imgui.pop_font()
+
+    def _show_more(self) -> None:
+        """Name the panels of researchers on the bar, or close them all."""
+        self.more = not self.more
+        if not self.more:
+            self.shown -= set(PANELS)
 
     def _open_or_close(self, name: str) -> None:
         """Raise a panel that others cover; else open or close it."""
@@ -267,8 +326,14 @@ class Inspector(PanelContext):
         size = imgui.get_io().display_size
         screen, self._about = (size.x, size.y), about
         names: list[str] = []
+        back: dict[str, Area] = {}
         if screen != self._screen:
-            self._screen, names = screen, list(self.areas)
+            self._before[self._screen] = dict(self.areas)
+            known = self._before.get(screen, {})
+            self._screen = screen
+            names = [name for name in self.areas if name not in known]
+            back = {name: area for name, area in known.items() if name in self.areas}
+            self.areas |= back
         elif box is not None and about != before:
             names = [name for name in self.areas if common(self.areas[name], box)]
             names = [name for name in names if name not in self.places]
@@ -276,7 +341,7 @@ class Inspector(PanelContext):
         moved = self._placed(names)
         imgui.pop_font()
         self.areas |= moved
-        return moved
+        return back | moved
 
     def _placed(self, names: list[str]) -> dict[str, Area]:
         """Places for panels on this screen, off the fishes' eyes and what panels are about."""
@@ -286,6 +351,7 @@ class Inspector(PanelContext):
         kept = [] if self.subject is None or self.subject[1] is None else [self.subject[1]]
         if "Fish view" in names or self.dive.picture.insets:
             kept += eye_areas(screen.x, screen.y)
+        kept += self.cards.values()
         return arrange(names, self.areas, self.places, room, line, kept)
 
     def end_frame(self) -> None:

@@ -14,7 +14,7 @@ from subsea.dive.captions import Caption, faded
 from subsea.dive.settings import ControlName, key_words
 from subsea.dive.tour import hidden
 from subsea.submarine.vessel import CLEARANCE_CM, Rail, gaps_at, hull_axes
-from subsea.ui.gui import GLASS, INK, MARK, colour
+from subsea.ui.gui import GLASS, INK, MARK, colour, ground, stroke
 from subsea.world.world import TICK_S, World
 
 if TYPE_CHECKING:
@@ -193,8 +193,8 @@ class Introduction:
         left, top = (size.x - box.x) / 2, 0.68 * size.y
         canvas, room = imgui.get_background_draw_list(), 0.6 * line
         low, high = (left - room, top - 0.6 * room), (left + box.x + room, top + box.y + 0.6 * room)
-        canvas.add_rect_filled(low, high, colour(GLASS, 0.8 * self._opacity), 0.4 * line)
-        canvas.add_rect(low, high, colour(MARK, 0.6 * self._opacity), 0.4 * line)
+        canvas.add_rect_filled(low, high, colour(GLASS, ground(0.8) * self._opacity), 0.4 * line)
+        canvas.add_rect(low, high, colour(MARK, 0.6 * self._opacity), 0.4 * line, stroke(1.0))
         canvas.add_text(
             imgui.get_font(), large, (left, top), colour(INK, self._opacity), text,
             wrap_width=0.8 * size.x,

@@ -23,7 +23,7 @@ from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
 from subsea.scenario.schema import MAX_SEED
 from subsea.scenario.storage import read_thumbnail
-from subsea.ui.gui import DEEP, LIT, QUIET, colour
+from subsea.ui.gui import DEEP, LIT, MARK, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
 from subsea.world.repertoires import file_version
 
@@ -52,9 +52,15 @@ class Entry(NamedTuple):
 
 SETTINGS = marked("Settings")
 LOGBOOK, VISIT = marked("Logbook"), marked("This visit")
-PARTS = marked("Keys"), marked("Comfort"), marked("Sound"), marked("Language")
+PARTS = (
+    marked("Keys"), marked("Comfort"), marked("Reading"), marked("Sound"), marked("Language"),
+)  # fmt: skip
 ABOVE = dict.fromkeys(PARTS, SETTINGS) | dict.fromkeys((SPECIES, SEEN), LOGBOOK)
-KIOSK_PARTS = "Comfort", "Language"
+KIOSK_PARTS = "Comfort", "Reading", "Language"
+TEXTS = {
+    "normal": marked("Usual letters"), "large": marked("Large letters"),
+    "largest": marked("Largest letters"),
+}  # fmt: skip
 UNREVIEWED = marked("A draft that no native speaker has reviewed.")
 PRESETS = {
     "calm": (marked("Calm"), marked("Turns in steps, slow starts, a dark rim while moving.")),
@@ -76,13 +82,14 @@ GROUP_LEVELS = (1.0, 0.5, 0.0)  # by turns
 APPEAR_S = 0.25
 DIM = 0.5  # opacity of the shade over the sea
 LARGE = 2.0  # size of its letters over that of other text, if there is room
-LEAST = 0.74  # least size; then pages scroll
+LEAST = 1.0  # least size over that of other text; then pages scroll
 PADDING = 0.25  # above and below its text
 LEAST_ABOUT = 0.75  # of the size of a long line below an entry over that of others
+ASIDE_SIZE = 0.8  # of the letters at the right end, over those of its text
 ABOUT_SIZE = 0.7  # of the letters below an entry, over those of its text
 WIDE = 17.0  # width of an entry, in the same
 THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
-MORE = {"Keys": 6.0} | dict.fromkeys(("Scenario", SPECIES, SEEN, VISIT), THUMBNAIL[0])
+MORE = {"Keys": 9.0} | dict.fromkeys(("Scenario", SPECIES, SEEN, VISIT), THUMBNAIL[0])
 """By how much pages with long lines or pictures are wider, in heights of letters."""
 RECENTRE = marked("Look straight ahead first.")
 SEED = marked("The same seed, the same dive; another one, another dive.")
@@ -121,6 +128,7 @@ class Menu:
         self._files: dict[Path, ScenarioSummary] = {}
         self._thumbnails: dict[Path, ImageTexture | None] = {}
         self._waiting: ControlName | None = None  # for its key
+        self._focused = "", ""  # page and text of the focused entry
         self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
             "": self._first,
             "Display": self._displays,
@@ -133,6 +141,7 @@ class Menu:
             SETTINGS: self._settings,
             "Keys": self._keys,
             "Comfort": self._comforts,
+            "Reading": self._reading,
             "Sound": self._sounds,
             "Language": self._languages,
         }
@@ -221,7 +230,10 @@ class Menu:
     def draw_entry(self, entry: Entry, line: float) -> None:
         """Draw one line of the menu, its letters `line` high."""
         clear = (0.0, 0.0, 0.0, 0.0)
-        imgui.push_style_color(imgui.Col_.button.value, (*LIT, 0.35) if entry.chosen else clear)
+        # Only the focused entry is light, which the pointer takes along when it moves.
+        light = (*LIT, 0.8) if self._focused == (self.page, entry.text) else clear
+        imgui.push_style_color(imgui.Col_.button.value, light)
+        imgui.push_style_color(imgui.Col_.button_hovered.value, light)
         room = ROW - 1.12 - 2.0 * PADDING  # for the text in the upper ROW of it
         align = 0.0, 0.5 * room / (room + entry.high - ROW)
         imgui.push_style_var(imgui.StyleVar_.button_text_align.value, align)
@@ -230,13 +242,19 @@ class Menu:
         size = self._width * line, (entry.high - 0.12) * line
         pressed = imgui.button(f"{entry.text}##{entry.aside}", size)
         imgui.pop_style_var(2)
-        imgui.pop_style_color()
+        imgui.pop_style_color(2)
+        self._focus_under_pointer()
+        if imgui.is_item_focused():
+            self._focused = self.page, entry.text
         if entry.picture and imgui.is_item_visible():
             self._draw_thumbnail(entry.picture, line)
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         canvas, ground = imgui.get_window_draw_list(), low.y + (ROW - 0.12) * line
+        if entry.chosen:  # a bar at its left end: the light entry is the focused one
+            bar = (low.x, low.y + 0.2 * line), (low.x + 0.25 * line, high.y - 0.2 * line)
+            canvas.add_rect_filled(*bar, colour(MARK), 0.12 * line)
         if entry.aside:
-            imgui.push_font(None, 0.7 * line)
+            imgui.push_font(None, ASIDE_SIZE * line)
             box = imgui.calc_text_size(entry.aside)
             place = high.x - box.x - 0.7 * line, (low.y + ground - box.y) / 2
             canvas.add_text(place, colour(QUIET), entry.aside)
@@ -253,6 +271,13 @@ class Menu:
             imgui.pop_font()
         if pressed:
             self.dive.inspector.later(entry.act)
+
+    def _focus_under_pointer(self) -> None:
+        """Focus the last entry if the pointer has moved onto it, so that one entry is light."""
+        moved = imgui.get_io().mouse_delta
+        if imgui.is_item_hovered() and (moved.x or moved.y):
+            window = imgui.internal.get_current_window()
+            imgui.internal.set_focus_id(imgui.get_item_id(), window)
 
     def _draw_thumbnail(self, beside: Path, line: float) -> None:
         """Draw the picture beside a file at the left end of the last item; nothing without one."""
@@ -392,7 +417,9 @@ class Menu:
         yield self._back()
 
     def _settings(self) -> Iterator[Entry]:
-        now = {"Sound": self.dive.sound.volume_text, "Language": LANGUAGES[language()]}
+        sound = self.dive.sound
+        loud = translated(marked("no device")) if sound.missing else sound.volume_text
+        now = {"Sound": loud, "Language": LANGUAGES[language()]}
         for part in KIOSK_PARTS if self.kiosk else PARTS:
             yield Entry(translated(part), partial(self._open_page, part), now.get(part, ""))
         yield self._back()
@@ -425,7 +452,27 @@ class Menu:
             yield Entry(translated(title), choose, chosen=now == comfort, about=about)
         yield self._back()
 
+    def _reading(self) -> Iterator[Entry]:
+        """Lead to the size of text, contrast and touch."""
+        settings, change = self.dive.preferences.settings, self.dive.preferences.set_display
+        for text, title in TEXTS.items():
+            chosen = settings.display.text == text
+            yield Entry(translated(title), partial(change, text=text), chosen=chosen)
+        contrast = settings.display.contrast
+        about = translated(marked("Opaque grounds, and no thin lines."))
+        flip = partial(change, contrast=not contrast)
+        yield Entry(translated(marked("More contrast")), flip, _on(contrast), about=about)
+        touch = settings.mouse.touch
+        about = translated(marked("Drag to look, hold to go, tap a fish."))
+        flip = partial(self.dive.preferences.set_touch, not touch)
+        yield Entry(translated(marked("Touch screen")), flip, _on(touch), about=about)
+        yield self._back()
+
     def _sounds(self) -> Iterator[Entry]:
+        if self.dive.sound.missing:
+            about = translated(marked("Connect loudspeakers or headphones; they are found soon."))
+            stay = partial(self._open_page, "Sound")
+            yield Entry(translated(marked("No sound device is there")), stay, about=about)
         own, change = self.dive.sound.settings, self._change_sound
         for volume in VOLUMES:
             now = not own.mute and own.volume == volume
@@ -439,9 +486,8 @@ class Menu:
             ("night", own.night, marked("Night"), marked("Loud sounds are softer.")),
             ("captions", own.captions, marked("Captions"), marked("Sounds are shown in words.")),
         ):
-            state = translated(marked("on") if on else marked("off"))
             flip = partial(change, **{name: not on})
-            yield Entry(translated(title), flip, state, about=translated(about))
+            yield Entry(translated(title), flip, _on(on), about=translated(about))
         yield self._back()
 
     def _change_sound(self, **values: object) -> None:
@@ -477,6 +523,10 @@ class Menu:
     def _restart(self) -> None:
         self.hide()
         self.dive.open_world(self.dive.scenario, self.dive.source, self.seed)
+
+
+def _on(on: bool) -> str:
+    return translated(marked("on") if on else marked("off"))
 
 
 class ScenarioSummary(msgspec.Struct, frozen=True):

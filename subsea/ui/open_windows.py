@@ -12,7 +12,7 @@ from subsea.base.progress import say
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.ui.first_picture import FirstPicture
-from subsea.ui.gui import Gui, fill_with_text, text_at_foot
+from subsea.ui.gui import Gui, draw_loading_bar, fill_with_text, set_look, text_at_foot
 from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed, prefer_x11
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import HEADSET
@@ -30,8 +30,11 @@ class Opening(NamedTuple):
     close: Callable[[], None]  # may be called twice
     first: FirstPicture | None = None  # of the dive
 
-    def show(self, text: str) -> None:
-        """Show one line of text in the pilot's window, over the first picture if it is known."""
+    def show(self, text: str, share: float = 0.0) -> None:
+        """Show a line of text and a bar in the pilot's window, over a picture if one is known.
+
+        The bar is filled by a `share` in [0, 1].
+        """
         window, known = self.window_set.front, self.first is not None and self.first.known
         if self.first is not None and known:
             texture = self.first.texture(self.window_set.context)
@@ -41,6 +44,7 @@ class Opening(NamedTuple):
             text_at_foot(text)
         else:
             fill_with_text(text)
+        draw_loading_bar(share)
         self.gui.end()
         self.window_set.present()
 
@@ -62,6 +66,7 @@ def open_windows(
     opened is closed again.
     """
     pilot, rig = Pilot(settings), None
+    set_look(settings.display)
     with ExitStack() as undo:
         if display == HEADSET and sys.platform == "linux":
             prefer_x11()

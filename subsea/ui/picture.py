@@ -44,6 +44,7 @@ from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
 from subsea.view.front_screen import WHOLE, FrontView, TextViewport, front_screen, text_viewports
 from subsea.view.levels import empty_lod_state
+from subsea.view.retina import fish_eyes, retina_rig, retinal_views
 from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
 from subsea.view.theatre_vessel import PANEL_SIZE
@@ -348,6 +349,23 @@ class ScenePicture:
         light = retina_brightness(self.renderer, self._world, self.ride.by)
         self._world.seen_light[self.ride.by.fish] = light
         self._draw_pattern()  # the renderer's pictures were overwritten
+
+    def through_eyes(self, fish: int, size: tuple[int, int]) -> Bytes:
+        """Draw what both eyes of a fish see, in the present colours: (h, 2 w, 3), side by side.
+
+        Call it between frames: it overwrites the renderer's pictures.
+        """
+        by = fish_eyes(self._world, fish)
+        rig = retina_rig(size, by.half_cm)
+        with self.renderer.apart(rig):
+            packet = pack(self._world, retinal_views(self._world, by, rig, self.alpha), self.alpha)
+            self.renderer.draw(packet)
+            if self.colours == "colours":
+                pixels = np.hstack([self.renderer.read_pixels(side) for side in range(2)])
+            else:
+                pixels = pictured(self.renderer.id_maps(packet), self.colours)
+        self._draw_pattern()
+        return pixels
 
     @property
     def counts(self) -> dict[str, int]:

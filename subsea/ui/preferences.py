@@ -48,10 +48,17 @@ class Preferences:
         """Keep settings of the sound for the next dive; the sound itself has changed."""
         self._change("sound", replace(self.settings.sound, **values), values)
 
+    def set_display(self, **values: object) -> None:
+        """Change settings of the display."""
+        self._change("display", replace(self.settings.display, **values), values)
+
+    def set_touch(self, on: bool) -> None:
+        """Choose whether a touch screen steers."""
+        self._change("mouse", replace(self.settings.mouse, touch=on), {"touch": on})
+
     def set_language(self, code: str) -> None:
         """Choose a language by its code."""
-        display = replace(self.settings.display, language=code)
-        self._change("display", display, {"language": code})
+        self.set_display(language=code)
 
     def next_language(self) -> None:
         """Choose the next language, cyclically."""

@@ -10,7 +10,16 @@ from imgui_bundle import imgui
 from subsea.dive import captions
 from subsea.dive.settings import ComfortSettings, Settings
 from subsea.frame.diagrams import Label
-from subsea.ui.gui import BACKING, INK, SHADE, colour, draw_backing, fill_with_text
+from subsea.ui.gui import (
+    BACKING,
+    INK,
+    SHADE,
+    colour,
+    draw_backing,
+    fill_with_text,
+    ground,
+    look,
+)
 from subsea.ui.hud import Vignette, draw_horizon, draw_sea_edge, edge_reading, instrument_reading
 from subsea.view.front_screen import FrontView, TextViewport
 from subsea.view.rig import CameraRig
@@ -86,6 +95,7 @@ class TextLayer:
             free = at_helm and not dive.menu.open and not dive.inspector.open
             dive.card.update(elapsed_s, free and overlay.covered == 0.0 and panel is None)
             dive.card.draw()
+            dive.touch.draw()
             if not dive.menu.open and not dive.inspector.open and overlay.covered == 0.0:
                 dive.introduction.draw()
             dive.tours.draw()
@@ -132,7 +142,7 @@ def _draw_film_mark(seconds: float) -> None:
     wide = imgui.calc_text_size(text).x
     left, top = size.x - wide - 2.4 * line, 0.8 * line
     low, high = (left - 0.5 * line, top - 0.2 * line), (size.x - 0.7 * line, top + 1.2 * line)
-    canvas.add_rect_filled(low, high, colour(SHADE, BACKING), 0.35 * line)
+    canvas.add_rect_filled(low, high, colour(SHADE, ground(BACKING)), 0.35 * line)
     canvas.add_circle_filled((left + 0.4 * line, top + 0.5 * line), 0.4 * line, colour(RED))
     canvas.add_text((left + 1.2 * line, top), colour(INK), text)
 
@@ -161,7 +171,7 @@ def draw_subtitle(caption: captions.Caption, rig: CameraRig | None) -> None:
     size = imgui.get_io().display_size
     left, top, across, down = (0.0, 0.0, 1.0, 1.0) if rig is None else captions.room_of(rig)
     left, top, width, height = left * size.x, top * size.y, across * size.x, down * size.y
-    tall = captions.letters_of(width, height)
+    tall = captions.letters_of(width, height) * look().text
     foot = min(top + captions.FOOT * height, size.y - CLEAR * imgui.get_font_size())
     canvas = imgui.get_background_draw_list()
     imgui.push_font(None, tall)

@@ -22,6 +22,7 @@ from subsea.dive.settings import (
 from subsea.rendering.gl.context import avoid_full_disk, opengl_remedy
 from subsea.ui.gui import Gui
 from subsea.ui.monitors import Monitor, Screen, monitors, reason
+from subsea.ui.touch import Finger
 from subsea.view.stereo import OTHER_STEREO
 
 NUDGE = 3.0  # pointer units: smaller movements are noise
@@ -119,6 +120,7 @@ class GlWindow:
         self.listener: Gui | None = None
         self.pointer_range: PointerRange | None = None  # if larger than the window
         self._commands = commands
+        self.finger = Finger(pilot)  # on a touch screen
         # The last noted place of the pointer; None: it has just entered.
         self._rested: tuple[float, float] | None = None
         self.stays = False  # visitors cannot close it
@@ -268,8 +270,12 @@ class GlWindow:
         self.pilot.note_activity()
         used = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
         name = f"mouse {BUTTONS[button]}"
+        touched = self.pilot.settings.mouse.touch and button == glfw.MOUSE_BUTTON_LEFT
         if action == glfw.RELEASE:
             self.pilot.release(name)
+            self.finger.up()
+        elif not used and touched:
+            self.finger.down(*glfw.get_cursor_pos(self.handle))
         elif not used:
             self._ask(self.pilot.bindings.control(name, self.pilot.riding), name)
 
@@ -301,6 +307,8 @@ class GlWindow:
             self.pilot.note_activity()
         if self.listener and self.listener.pointed(x, y):
             self.pilot.pointer_left()
+        elif self.pilot.settings.mouse.touch:
+            self.finger.moved(x, y, min(width, height))
         else:
             self.pilot.point(*span.share(x, y))
 

@@ -101,6 +101,8 @@ class WindowSet:
             glfw.wait_events_timeout(wait_s)
         else:
             glfw.poll_events()
+        for window in self.windows:
+            window.finger.update()
         now_inside, now_focused = self._pointer_and_focus()
         if inside and not now_inside:
             self.pilot.pointer_left()

@@ -88,3 +88,19 @@ def test_a_computer_without_loudspeakers_opens_no_device():
     step(live._world, NEUTRAL)
     live.check()
     assert len(live._player._waiting) == 0
+
+
+def test_it_knows_that_the_system_has_no_device():
+    def none(channels, samples):
+        raise OSError("the system has no device")
+
+    lines = []
+    silent = LiveSound(SoundSettings(), lambda text: None, lines.append, open_one=none)
+    assert not silent.missing  # nothing was tried yet
+    silent.check()
+    assert silent.missing and "no sound" in lines[0]
+    unheard = LiveSound(
+        SoundSettings(), lambda text: None, lines.append, loudspeakers(()), open_one=none
+    )
+    unheard.check()
+    assert not unheard.missing  # another computer plays

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from subsea.base import disk_cache
+from subsea.base.system import resource_path
 from subsea.dive import start
 from subsea.ui.dive import Dive
-from subsea.ui.first_picture import MOST_PX, FirstPicture, picture_name
+from subsea.ui.first_picture import COMPILED, MOST_PX, FirstPicture, LoadingBar, picture_name
 from subsea.ui.open_windows import open_windows
 from tests.support.windows import dive_options
 
@@ -36,6 +37,29 @@ def test_a_picture_of_an_earlier_version_is_replaced():
     FirstPicture("first_picture-a").keep(picture())
     FirstPicture("first_picture-a").keep(255 - picture())
     np.testing.assert_array_equal(FirstPicture("first_picture-a")._pixels, 255 - picture())
+
+
+def test_before_there_is_one_the_picture_beside_the_scenario_shows_the_place(tmp_path):
+    place = resource_path("assets/scenarios/peaceful.toml")
+    first = FirstPicture("first_picture-a", place, 4 / 3)
+    assert first.known and first._pixels.shape == (480, MOST_PX, 3) and first._pixels.std() > 5.0
+    assert not FirstPicture("first_picture-a").known  # it is not kept as the first one
+    assert not FirstPicture("", tmp_path / "none.toml").known
+    first.keep(picture())
+    again = FirstPicture("first_picture-a", place)
+    np.testing.assert_array_equal(again._pixels, picture())
+
+
+def test_the_bar_fills_and_never_goes_back():
+    bar, shares = LoadingBar(), []
+    for line in (
+        "loading", "compiling: 0/2", "compiling: 1/2", "compiling: 2/2", "reading repertoires",
+        "letting the fishes in", "unknown", "starting OpenGL", "reading repertoires",
+    ):  # fmt: skip
+        bar.follow(line)
+        shares.append(bar.share)
+    assert shares == sorted(shares) and shares[0] >= 0.0 and shares[-1] <= 1.0
+    assert shares[2] > 0.3 and shares[3] >= COMPILED and shares[-1] > COMPILED + 0.1
 
 
 def test_a_large_one_is_kept_smaller():

@@ -20,6 +20,8 @@ SIZE = (640, 480)
 @pytest.fixture(scope="module")
 def boat(display, user, quiet, coarse):
     with closing(Dive(dive_options(quiet, SIZE, coarse))) as running:
+        running.inspector.more = True
+        running.inspector.shown.clear()
         user.glide(running, 0.2)
         yield running
 

@@ -19,7 +19,7 @@ from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
 from subsea.submarine.vessel import paths_of
-from subsea.ui.gui import GLASS, MARK, WARM, button, colour, wrapped_text
+from subsea.ui.gui import GLASS, MARK, REFUSED, WARM, button, colour, wrapped_text
 from subsea.ui.panels import fields
 from subsea.ui.panels.fields import Area, PanelContext
 from subsea.ui.undo import History
@@ -30,7 +30,6 @@ from subsea.world.checks import check_in_sea, tour_fault, with_solids
 from subsea.world.placement import Grip, Handle
 from subsea.world.world import World
 
-REFUSED = (1.0, 0.42, 0.34)  # refused places
 AWAY = "Move things away from its line, or give it another one later."
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
 BIGGER, TURN_DEG = 1.08, 5.0  # of a step of the wheel
