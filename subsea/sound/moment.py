@@ -42,7 +42,7 @@ GROUP_OF_VOICE = {SNAP: SEA, BUBBLE: SEA, POP: FISHES, CRUNCH: FISHES, WHOOSH: F
 # Levels at 1 m, or of what is all round, of full scale (designed).
 LOUD = {SNAP: 0.60, BUBBLE: 0.10, POP: 0.10, CRUNCH: 0.20, WHOOSH: 0.16, STRIKE: 0.55,
         KNOCK: 0.30, CREAK: 0.05}  # fmt: skip
-SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.07, 0.055, 0.045, 0.08
+SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.07, 0.065, 0.045, 0.08
 SCHOOL_LEVEL, WINCH_LEVEL, BREATH_LEVEL = 0.016, 0.12, 0.02
 LAP_LEVEL, SAND_LEVEL, DEEP_LEVEL, LARGE_LEVEL = 0.05, 0.035, 0.05, 0.11
 SURF_CM, LAP_CM = 500.0, 90.0  # depths in which waves, and their splashes, fade by a factor e
@@ -53,6 +53,7 @@ HUSHED = 0.9  # share of the hiss of far snaps that something large silences
 
 # Snaps of a whole reef around: 1,500 to 2,000 a minute in summer (Everest et al. 1948).
 SNAPS_S, FEWEST_SNAPS_S = 30.0, 1.0
+LIVELY = 1.9  # snaps of a reef at its liveliest, over the mean
 REEF_CM = 250.0  # distance and size of a stone that are a whole reef
 EARSHOT_CM = 1500.0  # of bubbles, mouths and turns
 SCHOOL_CM = 500.0
@@ -127,7 +128,7 @@ def hear(world: World, listener: Listener, sources: Sources) -> Moment:
     amount = float(min(area.sum(), 1.0))
     if len(loom.fishes):
         area = area * spared(world, loom, sources.stones[:, :3])
-    rows += _snaps(world, listener, sources.stones, area * place.reef)
+    rows += _snaps(world, listener, sources.stones, area, LIVELY * place.reef)
     rows += _bubbles(world, listener, sources.vents)
     for voice, fishes in _acting(world, away):
         places = world.state.fishes.position[fishes].astype(np.float64)
@@ -225,13 +226,13 @@ def _area_around(stones: Array, listener: Listener) -> Array:
     return np.asarray((stones[:, 3] / np.maximum(away, REEF_CM)) ** 2)
 
 
-def _snaps(world: World, listener: Listener, stones: Array, area: Array) -> list[Row]:
-    """Snaps of shrimp in the stones near."""
+def _snaps(world: World, listener: Listener, stones: Array, area: Array, share: float) -> list[Row]:
+    """Snaps of shrimp in the stones near, a `share` of those of the mean."""
     tick, seed = world.state.tick, world.state.seed
     weight = np.cumsum(area)
     if not len(weight):
         return []
-    expected = (FEWEST_SNAPS_S + (SNAPS_S - FEWEST_SNAPS_S) * min(weight[-1], 1.0)) * TICK_S
+    expected = (FEWEST_SNAPS_S + (SNAPS_S - FEWEST_SNAPS_S) * min(weight[-1], 1.0) * share) * TICK_S
     number = _poisson(expected, uniform(seed, 0, tick, COUNT))
     rows = []
     for k in range(number):

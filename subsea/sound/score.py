@@ -35,7 +35,7 @@ BEATING_HZ = 0.35  # between the two tones of a note
 SECOND, THIRD = 0.22, 0.08  # levels of the overtones
 # The score's greatest level over that of everything else, and times, s, of its stepping back.
 MOST_OF_SEA = 0.5
-USUAL_S, STEPS_BACK_S, FALLS_S, RETURNS_S = 4.0, 0.8, 0.12, 1.5
+USUAL_S, RECENT_S, STEPS_BACK_S, FALLS_S, RETURNS_S = 4.0, 1.0, 0.8, 0.12, 1.5
 NOTE_COLUMNS = ("age", "length", "hz", "level", "right", "phase", "other phase")
 
 
@@ -137,19 +137,21 @@ class Ducking:
     """Keeps the score below the sounds of the sea, and lets it step back for loud ones."""
 
     def __init__(self) -> None:
-        self._states = np.zeros(4)  # power of the others, fast and slow, of the score; last gain
+        # Power of the others: loud moments, recent and usual; power of the score; last gain.
+        self._states = np.zeros(5)
 
     def gains(self, played: Array, others: Array) -> Array:
         """Return gains (n,) for the score `played` (n, c) over `others` (n, c)."""
-        fast, slow, own, before = self._states.tolist()
+        fast, recent, slow, own, before = self._states.tolist()
         loud, mine = float((others**2).mean()), float((played**2).mean())
         fast = max(loud, fast + (loud - fast) * _share(STEPS_BACK_S))
+        recent += (loud - recent) * _share(RECENT_S)
         slow += (loud - slow) * _share(USUAL_S)
         own = max(mine, own + (mine - own) * _share(USUAL_S))
-        most = MOST_OF_SEA * math.sqrt(min(slow, loud + 0.5 * slow) / max(own, 1e-12))
+        most = MOST_OF_SEA * math.sqrt(min(slow, recent) / max(own, 1e-12))
         gain = min(most, 1.0) / (1.0 + max(fast / max(slow, 1e-12) - 3.0, 0.0) / 3.0)
         gain = before + (gain - before) * _share(RETURNS_S if gain > before else FALLS_S)
-        self._states[:] = fast, slow, own, gain
+        self._states[:] = fast, recent, slow, own, gain
         return before + (gain - before) * (np.arange(len(played)) + 1.0) / len(played)
 
 

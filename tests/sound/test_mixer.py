@@ -232,17 +232,17 @@ def test_shrimp_snap_more_where_there_is_more_stone(heard):
 
     def snaps(size):
         around = Sources(np.array([[100.0, 0.0, -300.0, size]]), np.zeros((0, 5)))
+        ticks = range(1, 18_000, 45)  # of ten minutes
         count = 0
-        for tick in range(1, 400):
-            world.state.tick = tick
+        for world.state.tick in ticks:
             count += int((hear(world, ears(), around).events[:, 0] == SNAP).sum())
-        return count / (399 * 0.033)
+        return count / (len(ticks) * 0.033)
 
     tick = world.state.tick
     few, many = snaps(20.0), snaps(400.0)
     world.state.tick = tick
     assert few < 0.2 * many
-    assert many == pytest.approx(SNAPS_S, rel=0.15)
+    assert many == pytest.approx(SNAPS_S, rel=0.2)
 
 
 def test_only_aboard_the_vessel_is_heard(heard):
@@ -357,7 +357,7 @@ def test_changes_of_place_make_no_click():
         moment(beds=(wild, calm)[k // 12 % 2], tick=k)._replace(room=float(k // 12 % 2))
         for k in range(1, 120)
     ]
-    steady = mixed(*(moment(beds=wild, tick=k) for k in range(1, 120)))
+    steady = mixed(*(moment(beds=wild, tick=k)._replace(room=1.0) for k in range(1, 120)))
     steps = np.abs(np.diff(mixed(*parts), axis=0))
     assert steps.max() < 1.3 * np.abs(np.diff(steady, axis=0)).max()
 

@@ -19,7 +19,7 @@ def played(mood, seed=1, first=1):
     return np.concatenate(blocks, axis=1)
 
 
-def tones(samples, low=50.0, high=1000.0):
+def tones(samples, low=20.0, high=1000.0):
     """Strong tones, semitones above 110 Hz, of the sum of two channels."""
     power = np.abs(np.fft.rfft(samples.sum(axis=0) * np.hanning(samples.shape[1]))) ** 2
     hz = np.fft.rfftfreq(samples.shape[1], 1.0 / RATE)
@@ -65,7 +65,7 @@ def sea(level, tick, kind=CALM):
 
 def test_the_score_stays_below_the_sea_and_steps_back_for_loud_sounds():
     mixer = Mixer(LAYOUTS["stereo"])
-    loud = [0.03 if k < 900 else 0.003 for k in range(1, 1500)]
+    loud = 0.03 * 0.1 ** np.clip((np.arange(1500) - 600) / 300.0, 0.0, 1.0)  # down in ten seconds
     stems = np.concatenate(
         [mixer.stems(sea(level, k + 1), scored=True) for k, level in enumerate(loud)], axis=1
     )
