@@ -34,4 +34,5 @@ def test_a_way_under_stone_changes_the_roof_little_by_little(step):
         enclosure(NO_PILLARS, stone, (x, 0.0, -300.0))[0] for x in np.arange(-600.0, 600.0, step)
     ]
     assert max(roofs) > 0.5 and roofs[0] == roofs[-1] == 0.0
-    assert np.abs(np.diff(roofs)).max() < 0.2  # the mixer takes CHANGE_S for it
+    # Two slanting rays may meet the edge at once; the mixer takes CHANGE_S for it.
+    assert np.abs(np.diff(roofs)).max() < 0.25
