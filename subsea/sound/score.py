@@ -40,7 +40,7 @@ NOTE_COLUMNS = ("age", "length", "hz", "level", "right", "phase", "other phase")
 
 
 class Mood(NamedTuple):
-    """What the score follows."""
+    """The mood of the sea, which the score follows."""
 
     kind: int = CALM
     depth: float = 0.0  # 0 at the surface to 1

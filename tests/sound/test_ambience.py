@@ -1,4 +1,4 @@
-"""What is around a place."""
+"""Stone around a place: roofs and walls."""
 
 import numpy as np
 import pytest
