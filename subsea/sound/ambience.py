@@ -1,4 +1,4 @@
-"""How a place sounds: the stone around it, the silence between sounds, and large fishes near.
+"""The sound of a place: the stone around it, the silence between sounds, and large fishes near.
 
 Everything is a function of the world's state, its seed and the time of the dive.
 """
@@ -34,7 +34,7 @@ BEAT_HZ = 0.7  # of its pulse; each fish has its own
 
 
 class Place(NamedTuple):
-    """How the place of a listener sounds."""
+    """The sound of the place of a listener."""
 
     depth: float  # cm
     height: float  # above the sand, cm
