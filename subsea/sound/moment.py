@@ -138,7 +138,7 @@ def hear(world: World, listener: Listener, sources: Sources) -> Moment:
             row = (*row[:2], share * row[2], *row[3:])
             rows.append(row)
             if voice in CAPTIONS and row[2] > HEARD:
-                words.append(HeardSound(CAPTIONS[voice], row[3:6], row[2], row[6]))
+                words.append(HeardSound(CAPTIONS[voice], (row[3], row[4], row[5]), row[2], row[6]))
     if listener.aboard:
         rows += _hull(world, listener)
     beds = _beds(world, listener, amount, place, loom)
