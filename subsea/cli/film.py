@@ -48,6 +48,9 @@ def add(commands: Any) -> None:
     shared.add(parser, "fish", "seed", *shared.DRAWING, "follow", "theatre", "shrink")
     parser.add_argument("--mute", action="store_true", help="a film without sound")
     parser.add_argument(
+        "--score", action="store_true", help="slow tones under the sound, which follow the sea"
+    )
+    parser.add_argument(
         "--sound-layout",
         default="stereo",
         metavar="LAYOUT",
@@ -58,7 +61,7 @@ def add(commands: Any) -> None:
         "--audio-stems",
         type=Path,
         metavar="DIR",
-        help="write sea, fishes and vessel as WAV files into DIR, at full volume",
+        help="write sea, fishes, vessel and score as WAV files into DIR, at full volume",
     )
     add_force(parser)
     blur = parser.add_argument_group(

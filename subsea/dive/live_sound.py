@@ -4,16 +4,19 @@ from collections.abc import Callable
 
 import msgspec
 
-from subsea.base.language import translated
+from subsea.base.language import marked, translated
 from subsea.dive.settings import SoundSettings
 from subsea.sound.device import Open, Player, open_device
 from subsea.sound.mixer import SoundLevels
-from subsea.sound.moment import Moment, Sources, hear, side_of, sources_of
+from subsea.sound.moment import HeardSound, Moment, Sources, hear, nearness_of, side_of, sources_of
 from subsea.sound.space import Head, Layout, at_rest, layout_of, listener_of
 from subsea.world.world import TICK_S, World
 
 STEP = 0.1  # of the volume
-CAPTION_S = 6.0  # until the same caption may return
+SCORE_ON, SCORE_OFF = marked("score on"), marked("score off")
+CAPTION_S = 6.0  # until a caption of the same sound may return
+SAME_S = 20.0  # until one of a sound that leads may return unchanged
+BETWEEN_S = 2.0  # from one caption to the next
 
 
 class LiveSound:
@@ -41,13 +44,15 @@ class LiveSound:
         self._player = Player(layout, self.levels, open_one)
         self._world: World | None = None
         self._sources: Sources | None = None
-        self._said: dict[str, float] = {}  # time of the dive of each caption
+        # Time of the dive of each sound that had a caption, and of each caption.
+        self._said: dict[str, float] = {}
 
     @property
     def levels(self) -> SoundLevels:
         """The volumes, as the mixer takes them."""
         own = self.settings
-        return SoundLevels(own.volume, own.sea, own.fishes, own.vessel, own.mute, own.night)
+        score = own.score_level if own.score else 0.0
+        return SoundLevels(own.volume, own.sea, own.fishes, own.vessel, score, own.mute, own.night)
 
     def attend(self, world: World | None) -> None:
         """Listen to this world from now on, and to no other."""
@@ -73,6 +78,11 @@ class LiveSound:
         """Turn the sound off or on."""
         self.change(mute=not self.settings.mute)
         self._note(self.text)
+
+    def turn_score(self) -> None:
+        """Turn the score on or off."""
+        self.change(score=not self.settings.score)
+        self._note(translated(SCORE_ON if self.settings.score else SCORE_OFF))
 
     @property
     def text(self) -> str:
@@ -111,10 +121,23 @@ class LiveSound:
             self._caption(moment)
 
     def _caption(self, moment: Moment) -> None:
-        """Show the loudest sound that has not just been shown."""
+        """Show the sound that leads, or the loudest, unless one was just shown."""
         now = moment.tick * TICK_S
-        for words, right, _ in sorted(moment.words, key=lambda one: -one[2]):
-            if now - self._said.get(words, -CAPTION_S) >= CAPTION_S:
-                self._said[words] = now
-                self._note(f"[{translated(words)}, {translated(side_of(right))}]")
-                return
+        if now - self._said.get("", -BETWEEN_S) < BETWEEN_S:
+            return
+        for sound in sorted(moment.words, key=lambda one: (not one.leads, -one.level)):
+            text = caption_of(sound)
+            if now - self._said.get(sound.words, -CAPTION_S) < CAPTION_S:
+                continue
+            if sound.leads and now - self._said.get(text, -SAME_S) < SAME_S:
+                continue
+            self._said[sound.words] = self._said[text] = self._said[""] = now
+            self._note(text)
+            return
+
+
+def caption_of(sound: HeardSound) -> str:
+    """Name a sound, its side and whether it is near, in the language of visitors."""
+    side = side_of(sound.way)
+    parts = sound.words, side, nearness_of(sound.away) if side else ""
+    return f"[{', '.join(translated(part) for part in parts if part)}]"

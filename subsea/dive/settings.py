@@ -26,7 +26,8 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "feed", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
-    "picture", "photo", "film", "mute", "louder", "quieter", "language", "recentre", "cue", "leave",
+    "picture", "photo", "film", "mute", "louder", "quieter", "score", "language", "recentre", "cue",
+    "leave",
 ]  # fmt: skip
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
@@ -87,6 +88,7 @@ CONTROLS: dict[ControlName, Control] = {
     "mute": Control("sound off, and on", ("M",)),
     "louder": Control("sound up", ("=",)),
     "quieter": Control("sound down", ("-",)),
+    "score": Control("the quiet score on, and off", ("Y",)),
     "language": Control("the next language", ("X",)),
     "recentre": Control("in a headset: take the place of the head as the pilot's", ("Home",)),
     "cue": Control("in a show: go on to the next item", ("N",)),
@@ -379,6 +381,9 @@ class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     volume: Annotated[
         float, Meta(ge=0, le=1, description="0 to 1: of the sound, instead of `sound.volume`")
     ] = 0.6
+    score: Annotated[
+        bool, Meta(description="whether a quiet score is played, instead of `sound.score`")
+    ] = False
 
 
 class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -398,14 +403,16 @@ class SoundSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
     volume: Annotated[float, Meta(ge=0, le=1, description="0 to 1: of everything")] = 0.8
     sea: Annotated[
-        float, Meta(ge=0, le=1, description="0 to 1: reef, bubbles, waves, and the hook's winch")
+        float, Meta(ge=0, le=1, description="0 to 1: reef, bubbles, sand, waves, and the winch")
     ] = 1.0
     fishes: Annotated[
-        float, Meta(ge=0, le=1, description="0 to 1: schools, mouths, turns and strikes")
+        float, Meta(ge=0, le=1, description="0 to 1: schools, mouths, turns, strikes, large ones")
     ] = 1.0
     vessel: Annotated[
         float, Meta(ge=0, le=1, description="0 to 1: motor, water at the hull, breath, knocks")
     ] = 1.0
+    score: Annotated[bool, Meta(description="whether a quiet score is played")] = False
+    score_level: Annotated[float, Meta(ge=0, le=1, description="0 to 1: of the score")] = 0.7
     mute: Annotated[bool, Meta(description="whether the dive begins without sound")] = False
     night: Annotated[bool, Meta(description="whether loud sounds are softer")] = False
     captions: Annotated[bool, Meta(description="whether sounds are shown in words")] = False
@@ -517,7 +524,8 @@ def kiosk_settings(settings: Settings) -> Settings:
                 f"--kiosk: {key!r} cannot be both {name!r} and {others[0]!r}, "
                 f"at `kiosk.{name}` of the settings"
             )
-    sound = msgspec.structs.replace(settings.sound, volume=settings.kiosk.volume)
+    kiosk = settings.kiosk
+    sound = msgspec.structs.replace(settings.sound, volume=kiosk.volume, score=kiosk.score)
     controls |= {name: [key] for name, key in keys.items()}
     return msgspec.structs.replace(settings, controls=controls, sound=sound)
 

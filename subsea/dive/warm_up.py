@@ -123,7 +123,7 @@ def _sound() -> None:
     mixer = Mixer(LAYOUTS["stereo"])
     for tick in range(1, 40):  # until shrimp snap
         world.state.tick = tick
-        mixer.mix(hear(world, ears, around), SoundLevels())
+        mixer.mix(hear(world, ears, around)._replace(room=1.0), SoundLevels(score=1.0))
 
 
 def _open_water(live: int = 0) -> World:

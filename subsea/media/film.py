@@ -94,6 +94,7 @@ class TourFilmOptions(FilmOptions):
     show: Sequence[str] = ()  # diagrams over the sea
     wireframe: bool = False
     mute: bool = False  # a film without sound
+    score: bool = False  # a quiet score under its sound
     sound_layout: str = "stereo"  # one of `sound.space.LAYOUTS`
     audio: Path | None = None  # the sound alone, a WAV file
     audio_stems: Path | None = None  # a folder with the sound of each group
@@ -114,6 +115,7 @@ class EyeFilmOptions(FilmOptions):
 Check = Callable[[], None]
 
 DEFAULT_S = 10.0
+SCORE_LEVEL = 0.7  # of a film
 MAX_DIRECTED_S = 900.0
 
 
@@ -387,7 +389,8 @@ def _sound_of(options: TourFilmOptions, kind: str) -> FilmSound | None:
     layout = layout_of(options.sound_layout)
     wanted = options.audio is not None or options.audio_stems is not None
     if wanted or (kind == "film" and not options.mute):
-        return FilmSound(layout, options.start, SoundLevels(), files=wanted)
+        levels = SoundLevels(score=SCORE_LEVEL if options.score else 0.0)
+        return FilmSound(layout, options.start, levels, files=wanted)
     return None
 
 

@@ -10,7 +10,7 @@ from subsea.base.arrays import Array
 from subsea.base.file_kinds import SOUND, check_result
 from subsea.base.files import check_folder, replacing
 from subsea.sound.mixer import Mixer, SoundLevels
-from subsea.sound.moment import GROUPS, Sources, hear, sources_of
+from subsea.sound.moment import GROUPS, SCORE, Sources, hear, sources_of
 from subsea.sound.space import BLOCK, RATE, Layout, listener_of
 from subsea.world.world import World
 
@@ -40,7 +40,7 @@ class FilmSound:
         """Add the tick that the world has just made, heard from the submarine, or from a fish."""
         self._sources = self._sources or sources_of(world)
         moment = hear(world, listener_of(world, fish), self._sources)
-        stems = self._mixer.stems(moment)
+        stems = self._mixer.stems(moment, scored=self._levels.score > 0.0)
         block = self._mixer.blend(stems, self._levels)
         first = max(-self._skipped, 0)
         self._skipped += BLOCK
@@ -74,9 +74,10 @@ class FilmSound:
 
     def stems(self, seconds: float) -> dict[str, Array]:
         """The samples (n, c) of each group of a film of this length, at full volume."""
-        nothing = np.zeros((len(GROUPS), 0, self.layout.channels), np.float32)
+        names = GROUPS if self._levels.score > 0.0 else GROUPS[:SCORE]
+        nothing = np.zeros((len(names), 0, self.layout.channels), np.float32)
         parts = np.concatenate([nothing, *self._stems], axis=1)[:, : round(seconds * RATE)]
-        return dict(zip(GROUPS, parts, strict=True))
+        return dict(zip(names, parts, strict=True))
 
     def _joined(self, blocks: list[Array]) -> Array:
         return np.concatenate([np.zeros((0, self.layout.channels), np.float32), *blocks])

@@ -8,27 +8,33 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
+from subsea.sound.ambience import SLOW, wander
 from subsea.sound.moment import (
     BEDS,
     BREATH,
     CRACKLE,
     GROUP_OF_BED,
     GROUP_OF_VOICE,
-    GROUPS,
+    LAP,
     MOTOR,
+    SAND,
+    SCORE,
     SURF,
     WINCH,
     Moment,
 )
+from subsea.sound.reverberation import Reverberation
+from subsea.sound.score import Ducking, Score
 from subsea.sound.space import BLOCK, RATE, Layout, muffling, pan, reach_ears
 from subsea.sound.voices import LONGEST, next_noise, noise_seed, one_pole, sing, white
 
 # Noise of each bed: a band, Hz, and a factor that brings it to a level of about 1.
-LOW_HZ = np.array([60.0, 1800.0, 70.0, 60.0, 60.0, 500.0, 600.0])
-HIGH_HZ = np.array([420.0, 15_000.0, 600.0, 200.0, 340.0, 2500.0, 3800.0])
-RAISE = np.array([13.0, 8.0, 10.0, 3.0, 14.0, 1.2, 4.5])
+LOW_HZ = np.array([60, 1800, 70, 60, 60, 500, 600, 350, 2500, 30, 26.0])
+HIGH_HZ = np.array([420, 15_000, 600, 200, 340, 2500, 3800, 2600, 9000, 85, 95.0])
+RAISE = np.array([13, 8, 10, 3, 14, 1.2, 4.5, 5, 3, 40, 36.0])
 HARMONICS = np.array([0.55, 0.30, 0.16, 0.10, 0.05, 0.04])  # of motor and winch
 WAVES_S, SETS_S = 3.1, 7.9  # times in which single waves and sets of waves change
+FAINT = 1e-5  # level of a bed below which nobody hears it
 BREATH_S, CALM_S = 4.6, 9.0  # mean period of breath, and the time in which it changes
 WANDER = 1.4  # breaths by which a breath comes early or late
 LIFT = 2.7  # factor on all levels: seas have about -20 LUFS at the volume of films
@@ -37,7 +43,6 @@ MOST, MOST_AT_NIGHT = 0.65, 0.25
 ATTACK_S, RELEASE_S = 0.001, 0.05  # of the gain before and after a peak
 RAMP = (np.arange(BLOCK) + 1.0) / BLOCK
 STATES = 4  # of a bed: phase, three filters
-SLOW = np.int64(318)  # key of the random numbers of waves and breath
 SPARSE = 0.99  # noise beyond which it counts as a snap afar: 480 a second
 
 
@@ -49,14 +54,15 @@ class SoundLevels:
     sea: float = 1.0
     fishes: float = 1.0
     vessel: float = 1.0
+    score: float = 0.0
     mute: bool = False
     night: bool = False  # loud sounds are softer
 
     @property
     def gains(self) -> Array:
-        """Factors (3,) on the groups."""
+        """Factors (4,) on the GROUPS."""
         whole = 0.0 if self.mute else self.volume
-        return whole * np.array([self.sea, self.fishes, self.vessel])
+        return whole * np.array([self.sea, self.fishes, self.vessel, self.score])
 
 
 class Mixer:
@@ -65,17 +71,20 @@ class Mixer:
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
         channels = layout.channels
-        self._rest = np.zeros((len(GROUPS), LONGEST + 2 * BLOCK, channels))
+        self._rest = np.zeros((SCORE, LONGEST + 2 * BLOCK, channels))
         self._end = 0  # of what is left in it of earlier events, samples
         self._states = np.zeros((len(BEDS), STATES))
         self._before: tuple[Array, Array] | None = None  # beds and their gains
         self._gains: Array | None = None  # of the last tick
         self._limits = np.ones(2)  # gains at the end of the last tick: of the stems, at night
+        self._room = Reverberation(layout.directions)
+        self._score, self._ducking = Score(), Ducking()
 
-    def stems(self, moment: Moment) -> Array:
-        """The samples (3, BLOCK, c) of each of the GROUPS in a tick, at full volume.
+    def stems(self, moment: Moment, scored: bool = False) -> Array:
+        """The samples (g, BLOCK, c) of each of the GROUPS in a tick, at full volume.
 
-        A limiter holds the peaks of each, and of all together. It changes all by the same gain.
+        There are three of them, and the score if it is `scored`. A limiter holds the peaks of each,
+        and of all together. It changes all by the same gain.
         """
         gains = np.zeros((len(BEDS), self.layout.channels))
         _place_beds(moment.beds, *self._where, gains)
@@ -89,12 +98,16 @@ class Mixer:
         self._rest[:, : end - BLOCK] = self._rest[:, BLOCK:end]
         self._rest[:, end - BLOCK : end] = 0.0
         self._end = end - BLOCK
+        self._room.add(out, moment.room)
+        if scored:
+            out = np.concatenate([out, self._play(moment, out)[None]])
         self._limits[0] = _limit(out, MOST, self._limits[0])
         return out
 
     def mix(self, moment: Moment, levels: SoundLevels) -> Array:
         """The samples (BLOCK, c) float32 of a tick, in [-1, 1]."""
-        return self.blend(self.stems(moment), levels)
+        fades = self._gains is not None and self._gains[SCORE] > 0.0
+        return self.blend(self.stems(moment, levels.gains[SCORE] > 0.0 or fades), levels)
 
     def blend(self, stems: Array, levels: SoundLevels) -> Array:
         """As `mix`, from the `stems` of the tick; volumes change without a click."""
@@ -102,10 +115,19 @@ class Mixer:
         before = gains if self._gains is None else self._gains
         ramp = before + RAMP[:, None] * (gains - before)
         self._gains = gains
-        whole = np.einsum("gnc,ng->nc", stems, ramp)
+        whole = np.einsum("gnc,ng->nc", stems, ramp[:, : len(stems)])
         if levels.night:
             self._limits[1] = _limit(whole[None], MOST_AT_NIGHT, self._limits[1])
         return np.asarray(whole, np.float32)
+
+    def _play(self, moment: Moment, others: Array) -> Array:
+        """The samples (BLOCK, c) of the score, below the `others` (3, BLOCK, c)."""
+        sides = self._score.play(moment.tick, moment.seed, moment.mood)
+        gains = np.zeros((2, self.layout.channels))
+        for gain, right in zip(gains, (-0.9, 0.9), strict=True):
+            pan(self.layout.directions, self.layout.width, (right, 0.4, 0.0), gain)
+        played = sides.T @ gains
+        return played * self._ducking.gains(played, others.sum(axis=0))[:, None]
 
     @property
     def _where(self) -> tuple[Array, float]:
@@ -157,7 +179,7 @@ def _add_beds(
     begin, end = first / RATE, (first + BLOCK) / RATE
     tones = np.empty(BLOCK)
     for b in range(len(new)):
-        if old[b, 0] == 0.0 and new[b, 0] == 0.0:
+        if old[b, 0] <= FAINT and new[b, 0] <= FAINT:
             continue
         group, tonal = GROUP_OF_BED[b], b in (MOTOR, WINCH)
         low, high = one_pole(LOW_HZ[b]), one_pole(HIGH_HZ[b])
@@ -167,6 +189,9 @@ def _add_beds(
         before, now = old[b, 0], new[b, 0]
         if b == SURF:
             before, now = before * _swell(seed, begin), now * _swell(seed, end)
+        elif b in (LAP, SAND):  # water runs with the same waves, a little later
+            before *= _swell(seed, begin - 0.8) ** 2
+            now *= _swell(seed, end - 0.8) ** 2
         elif b == BREATH:
             before, now = before * _breath(seed, begin), now * _breath(seed, end)
         faster, fast, slow, raised = states[b, 1], states[b, 2], states[b, 3], LIFT * RAISE[b]
@@ -193,38 +218,34 @@ def _add_beds(
 @kernel
 def _hum(old_hz: float, new_hz: float, phase: float, out: Array) -> float:
     """Write a tone and its harmonics from one pitch to another; returns the phase at the end."""
-    for k in range(len(out)):
-        hz = old_hz + (k + 1.0) / len(out) * (new_hz - old_hz)
-        phase = (phase + hz / RATE) % 1.0
-        before, now = 0.0, math.sin(2.0 * math.pi * phase)
-        twice = 2.0 * math.cos(2.0 * math.pi * phase)
-        out[k] = 0.0
+    number = len(out)
+    rise = (new_hz - old_hz) / number
+    begin, step = 2.0 * math.pi * phase, 2.0 * math.pi * old_hz / RATE
+    bend = 2.0 * math.pi * rise / RATE
+    x, y = math.cos(begin), math.sin(begin)
+    c, s = math.cos(step), math.sin(step)  # rotation in a sample, which turns by `bend` in each
+    cc, ss = math.cos(bend), math.sin(bend)
+    for k in range(number):
+        c, s = cc * c - ss * s, ss * c + cc * s
+        x, y = c * x - s * y, s * x + c * y
+        before, now, total = 0.0, y, 0.0
         for level in HARMONICS:
-            out[k] += level * now
-            before, now = now, twice * now - before
-    return phase
-
-
-@kernel
-def _wander(seed: int, t: float, key: int) -> float:
-    """Return a smooth random function of time in [0, 1), with a number at each whole `t`."""
-    number = math.floor(t)
-    share = t - number
-    eased = share * share * (3.0 - 2.0 * share)
-    before, after = uniform(seed, key, number, SLOW), uniform(seed, key, number + 1, SLOW)
-    return before + eased * (after - before)
+            total += level * now
+            before, now = now, 2.0 * x * now - before
+        out[k] = total
+    return (phase + (number * old_hz + 0.5 * (number + 1.0) * number * rise) / RATE) % 1.0
 
 
 @kernel
 def _swell(seed: int, t: float) -> float:
     """Return the level of waves that come and go, in no rhythm."""
-    return 0.3 + 0.42 * _wander(seed, t / WAVES_S, 0) + 0.28 * _wander(seed, t / SETS_S, 1)
+    return 0.3 + 0.42 * wander(seed, t / WAVES_S, 0) + 0.28 * wander(seed, t / SETS_S, 1)
 
 
 @kernel
 def _breath(seed: int, t: float) -> float:
     """Breathing in, briefly, and out, longer and softer; no breath is like the last."""
-    breaths = t / BREATH_S + WANDER * _wander(seed, t / CALM_S, 2)
+    breaths = t / BREATH_S + WANDER * wander(seed, t / CALM_S, 2)
     number = math.floor(breaths)
     at, depth = breaths - number, 0.4 + 0.6 * uniform(seed, 3, number, SLOW)
     turn, end = (

@@ -12,6 +12,8 @@ from subsea.base.language import marked
 from subsea.geometry.noise import uniform
 from subsea.geometry.solids import height_at
 from subsea.habitat.plankton import SLOWEST, departures
+from subsea.sound.ambience import Loom, Place, loom_of, place_of, spared
+from subsea.sound.score import Mood, mood_of
 from subsea.sound.space import METRE, Listener, doppler, fading, toward
 from subsea.sound.voices import (
     BUBBLE,
@@ -28,22 +30,30 @@ from subsea.state import HOOKED, PREDATOR, SINKING
 from subsea.submarine.vessel import AHEAD_CM_S
 from subsea.world.world import TICK_S, World
 
-SURF, CRACKLE, FLOW, MOTOR, SCHOOL, WINCH, BREATH = range(7)
-BEDS = ("surf", "crackle", "flow", "motor", "school", "winch", "breath")
-SEA, FISHES, VESSEL = range(3)
-GROUPS = ("sea", "fishes", "vessel")
-GROUP_OF_BED = (SEA, SEA, VESSEL, VESSEL, FISHES, SEA, VESSEL)
+SURF, CRACKLE, FLOW, MOTOR, SCHOOL, WINCH, BREATH, LAP, SAND, DEEP, LARGE = range(11)
+BEDS = (
+    "surf", "crackle", "flow", "motor", "school", "winch", "breath", "lap", "sand", "deep", "large",
+)  # fmt: skip
+SEA, FISHES, VESSEL, SCORE = range(4)
+GROUPS = ("sea", "fishes", "vessel", "score")
+GROUP_OF_BED = (SEA, SEA, VESSEL, VESSEL, FISHES, SEA, VESSEL, SEA, SEA, SEA, FISHES)
 GROUP_OF_VOICE = {SNAP: SEA, BUBBLE: SEA, POP: FISHES, CRUNCH: FISHES, WHOOSH: FISHES,
                   STRIKE: FISHES, KNOCK: VESSEL, CREAK: VESSEL}  # fmt: skip
 # Levels at 1 m, or of what is all round, of full scale (designed).
 LOUD = {SNAP: 0.60, BUBBLE: 0.10, POP: 0.10, CRUNCH: 0.20, WHOOSH: 0.16, STRIKE: 0.55,
         KNOCK: 0.30, CREAK: 0.05}  # fmt: skip
-SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.07, 0.055, 0.045, 0.08
+SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.07, 0.065, 0.045, 0.08
 SCHOOL_LEVEL, WINCH_LEVEL, BREATH_LEVEL = 0.016, 0.12, 0.02
-SURF_CM = 800.0  # depth in which waves fade by a factor e
+LAP_LEVEL, SAND_LEVEL, DEEP_LEVEL, LARGE_LEVEL = 0.05, 0.035, 0.05, 0.11
+SURF_CM, LAP_CM = 500.0, 90.0  # depths in which waves, and their splashes, fade by a factor e
+SAND_CM, MOVED_CM = 130.0, 900.0  # height, and depth, in which moving sand does
+DEEP_CM = 1200.0  # depth in which the hum of the deep grows to 1 - 1/e
+UNDER_ROOF = 0.8  # share of the sounds of the surface that stone above takes
+HUSHED = 0.9  # share of the hiss of far snaps that something large silences
 
 # Snaps of a whole reef around: 1,500 to 2,000 a minute in summer (Everest et al. 1948).
 SNAPS_S, FEWEST_SNAPS_S = 30.0, 1.0
+LIVELY = 1.9  # snaps of a reef at its liveliest, over the mean
 REEF_CM = 250.0  # distance and size of a stone that are a whole reef
 EARSHOT_CM = 1500.0  # of bubbles, mouths and turns
 SCHOOL_CM = 500.0
@@ -66,8 +76,20 @@ class Moment(NamedTuple):
     tick: int
     seed: int
     events: Array  # (e, 10) columns EVENT_COLUMNS; `when` in [0, 1) of the tick, `level` as heard
-    beds: Array  # (7, 5) rows BEDS, columns BED_COLUMNS at the end of the tick
-    words: tuple[tuple[str, float, float], ...]  # captions: a sound, its direction right, level
+    beds: Array  # (11, 5) rows BEDS, columns BED_COLUMNS at the end of the tick
+    words: tuple["HeardSound", ...]  # for captions
+    room: float = 0.0  # how enclosed the place is, 0 to 1
+    mood: Mood = Mood()
+
+
+class HeardSound(NamedTuple):
+    """A sound that a caption may name."""
+
+    words: str
+    way: tuple[float, float, float]  # its direction right, ahead and up; zeros for all round
+    level: float
+    away: float = METRE  # cm
+    leads: bool = False  # whether it announces something that is not seen yet
 
 
 class Sources(NamedTuple):
@@ -97,27 +119,36 @@ def sources_of(world: World) -> Sources:
 def hear(world: World, listener: Listener, sources: Sources) -> Moment:
     """The sounds of the tick that the world has just made."""
     rows: list[Row] = []
-    words: list[tuple[str, float, float]] = []
-    area = _area_around(sources.stones, listener)
-    amount = float(min(area.sum(), 1.0))
-    rows += _snaps(world, listener, sources.stones, area)
-    rows += _bubbles(world, listener, sources.vents)
+    words: list[HeardSound] = []
+    place = place_of(world, listener)
     gap = world.state.fishes.position - listener.place
     away = np.sqrt(np.einsum("ni,ni->n", gap, gap))
+    loom = loom_of(world, listener, gap, away)
+    area = _area_around(sources.stones, listener)
+    amount = float(min(area.sum(), 1.0))
+    if len(loom.fishes):
+        area = area * spared(world, loom, sources.stones[:, :3])
+    rows += _snaps(world, listener, sources.stones, area, LIVELY * place.reef)
+    rows += _bubbles(world, listener, sources.vents)
     for voice, fishes in _acting(world, away):
-        for i in fishes:
-            position = world.state.fishes.position[i].astype(np.float64)
-            row = _event(world, listener, voice, position, world.state.fishes.velocity[i], int(i))
+        places = world.state.fishes.position[fishes].astype(np.float64)
+        loud = spared(world, loom, places) if voice in (POP, CRUNCH) else np.ones(len(places))
+        for i, position, share in zip(fishes.tolist(), places, loud.tolist(), strict=True):
+            row = _event(world, listener, voice, position, world.state.fishes.velocity[i], i)
+            row = (*row[:2], share * row[2], *row[3:])
             rows.append(row)
             if voice in CAPTIONS and row[2] > HEARD:
-                words.append((CAPTIONS[voice], row[3], row[2]))
+                words.append(HeardSound(CAPTIONS[voice], (row[3], row[4], row[5]), row[2], row[6]))
     if listener.aboard:
         rows += _hull(world, listener)
-    beds = _beds(world, listener, amount)
+    beds = _beds(world, listener, amount, place, loom)
     words += _school(world, listener, gap, away, beds[SCHOOL])
+    words += _leading(loom, amount * place.reef)
     rows.sort(key=lambda row: -row[2])
     events = np.array(rows[:MOST_EVENTS], np.float64).reshape(-1, len(EVENT_COLUMNS))
-    return Moment(world.state.tick, world.state.seed, events, beds, tuple(words))
+    room = min(0.7 * place.roof + 0.5 * place.walls, 1.0)
+    mood = mood_of(world, place.depth, away)
+    return Moment(world.state.tick, world.state.seed, events, beds, tuple(words), room, mood)
 
 
 CAPTIONS = {
@@ -127,13 +158,42 @@ CAPTIONS = {
 }
 HEARD = 0.02  # level from which a sound has a caption
 SCHOOL_WORDS, FEW, MOST_SCHOOL = marked("a school passes"), 8, 0.06
+LARGE_WORDS, HUSH_WORDS = marked("something large"), marked("the reef falls silent")
+STONE, SILENCED = 0.15, 0.5  # least reef that a listener misses, and least hush
+CLOSE_CM, FAR_CM = 250.0, 900.0
 
 
-def side_of(right: float) -> str:
-    """The side of a direction in words."""
-    if abs(right) <= 0.4:
-        return marked("ahead")
-    return marked("left") if right < 0.0 else marked("right")
+def _leading(loom: Loom, reef: float) -> list[HeardSound]:
+    """Captions of something large that comes, and of the silence before it."""
+    if loom.nearest == math.inf:
+        return []
+    found = [HeardSound(LARGE_WORDS, _row(loom.way), loom.level, loom.nearest, True)]
+    if reef > STONE and loom.hush > SILENCED:
+        found.append(HeardSound(HUSH_WORDS, (0.0, 0.0, 0.0), loom.hush, METRE, True))
+    return found
+
+
+def _row(way: Array) -> tuple[float, float, float]:
+    return float(way[0]), float(way[1]), float(way[2])
+
+
+def side_of(way: tuple[float, float, float]) -> str:
+    """The side of a direction in words; "" for a sound all round."""
+    right, ahead, up = way
+    if abs(up) > 0.8:
+        return marked("above") if up > 0.0 else marked("below")
+    if abs(right) > 0.4:
+        return marked("left") if right < 0.0 else marked("right")
+    if right == ahead == 0.0:
+        return ""
+    return marked("ahead") if ahead >= 0.0 else marked("behind")
+
+
+def nearness_of(away: float) -> str:
+    """A distance, cm, in words; "" for one of some metres."""
+    if away < CLOSE_CM:
+        return marked("close")
+    return marked("far off") if away > FAR_CM else ""
 
 
 def _event(
@@ -166,13 +226,13 @@ def _area_around(stones: Array, listener: Listener) -> Array:
     return np.asarray((stones[:, 3] / np.maximum(away, REEF_CM)) ** 2)
 
 
-def _snaps(world: World, listener: Listener, stones: Array, area: Array) -> list[Row]:
-    """Snaps of shrimp in the stones near."""
+def _snaps(world: World, listener: Listener, stones: Array, area: Array, share: float) -> list[Row]:
+    """Snaps of shrimp in the stones near, a `share` of those of the mean."""
     tick, seed = world.state.tick, world.state.seed
     weight = np.cumsum(area)
     if not len(weight):
         return []
-    expected = (FEWEST_SNAPS_S + (SNAPS_S - FEWEST_SNAPS_S) * min(weight[-1], 1.0)) * TICK_S
+    expected = (FEWEST_SNAPS_S + (SNAPS_S - FEWEST_SNAPS_S) * min(weight[-1], 1.0) * share) * TICK_S
     number = _poisson(expected, uniform(seed, 0, tick, COUNT))
     rows = []
     for k in range(number):
@@ -264,14 +324,20 @@ def _hull(world: World, listener: Listener) -> list[Row]:
     return rows
 
 
-def _beds(world: World, listener: Listener, amount: float) -> Array:
+def _beds(world: World, listener: Listener, amount: float, place: Place, loom: Loom) -> Array:
     """Levels, directions and pitches of the beds, but of a school."""
     beds = np.zeros((len(BEDS), len(BED_COLUMNS)))
     beds[:, 4] = 1.0
-    depth = max(-float(listener.place[2]), 0.0)
-    beds[SURF, 0] = SURF_LEVEL * math.exp(-depth / SURF_CM)
-    beds[SURF, 1:4] = listener.axes[:, 2]
-    beds[CRACKLE, 0] = CRACKLE_LEVEL * math.sqrt(amount)
+    open_above = 1.0 - UNDER_ROOF * place.roof
+    beds[SURF, 0] = SURF_LEVEL * open_above * math.exp(-place.depth / SURF_CM)
+    beds[LAP, 0] = LAP_LEVEL * open_above * math.exp(-place.depth / LAP_CM)
+    beds[SURF, 1:4] = beds[LAP, 1:4] = listener.axes[:, 2]
+    beds[CRACKLE, 0] = CRACKLE_LEVEL * math.sqrt(amount) * place.reef * (1.0 - HUSHED * loom.hush)
+    bare = (1.0 - math.sqrt(amount)) * place.others
+    beds[SAND, 0] = SAND_LEVEL * bare * math.exp(-place.height / SAND_CM - place.depth / MOVED_CM)
+    beds[SAND, 1:4] = -listener.axes[:, 2]
+    beds[DEEP, 0] = DEEP_LEVEL * place.others * (1.0 - math.exp(-((place.depth / DEEP_CM) ** 2)))
+    beds[LARGE, :4] = LARGE_LEVEL * loom.level, *loom.way
     speed = float(np.linalg.norm(listener.velocity))
     share = min(speed / AHEAD_CM_S, 2.0)
     beds[FLOW, 0] = FLOW_LEVEL * share**2 * (1.0 if listener.aboard else 0.3)
@@ -292,7 +358,7 @@ def _beds(world: World, listener: Listener, amount: float) -> Array:
 
 def _school(
     world: World, listener: Listener, gap: Array, away: Array, bed: Array
-) -> list[tuple[str, float, float]]:
+) -> list[HeardSound]:
     """Write the rush of fishes that swim close by to their `bed`; returns its caption."""
     fishes = world.state.fishes
     near = np.flatnonzero((away < SCHOOL_CM) & fishes.alive & (away > 1.0))
@@ -305,4 +371,5 @@ def _school(
     bed[0] = min(SCHOOL_LEVEL * math.sqrt(total), MOST_SCHOOL)
     bed[1:4] = listener.axes @ (loud @ (gap[near] / away[near, None])) / max(total, 1e-9)
     heard = len(near) >= FEW and bed[0] > HEARD
-    return [(SCHOOL_WORDS, float(bed[1]), float(bed[0]))] if heard else []
+    nearest = float(away[near].min())
+    return [HeardSound(SCHOOL_WORDS, _row(bed[1:4]), float(bed[0]), nearest)] if heard else []

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 SHARED_TIME = marked("several computers show this dive: its time goes on")
 # These work while the menu is open.
 WITH_MENU: tuple[Command, ...] = (
-    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter", "recentre", "language",
-    "cue",
+    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter", "score", "recentre",
+    "language", "cue",
 )  # fmt: skip
 
 
@@ -53,6 +53,7 @@ class Commands:
             "mute": lambda: dive.sound.mute(),
             "louder": lambda: dive.sound.turn(up=True),
             "quieter": lambda: dive.sound.turn(up=False),
+            "score": lambda: dive.sound.turn_score(),
             "language": self._next_language,
             "fullscreen": dive.window.toggle_fullscreen,
             "menu": self._open_menu,

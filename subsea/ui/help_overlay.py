@@ -75,6 +75,7 @@ GROUPS: tuple[tuple[str, tuple[Pair, ...]], ...] = (
     (marked("Sound"), (
         (("mute",), marked("sound off, on")),
         (("quieter", "louder"), marked("softer, louder")),
+        (("score",), marked("quiet score")),
     )),
     (marked("More"), (
         (("menu",), marked("menu")),

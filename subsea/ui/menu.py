@@ -77,6 +77,7 @@ GROUPS = {
     "sea": marked("Reef and waves"), "fishes": marked("Fishes"), "vessel": marked("Vessel"),
 }  # fmt: skip
 GROUP_LEVELS = (1.0, 0.5, 0.0)  # by turns
+SCORE_LEVELS = (1.0, 0.7, 0.4, 0.0)  # the same of the score
 
 
 APPEAR_S = 0.25
@@ -482,6 +483,14 @@ class Menu:
             level = getattr(own, group)
             lower = next((step for step in GROUP_LEVELS if step < level), GROUP_LEVELS[0])
             yield Entry(translated(title), partial(change, **{group: lower}), f"{level:.0%}")
+        level = own.score_level if own.score else 0.0
+        lower = next((step for step in SCORE_LEVELS if step < level), SCORE_LEVELS[0])
+        values = {"score": lower > 0.0, "score_level": lower or own.score_level}
+        state = f"{level:.0%}" if own.score else translated("off")
+        about = translated(marked("Slow tones that follow depth, hour and what happens."))
+        yield Entry(
+            translated(marked("Quiet score")), partial(change, **values), state, about=about
+        )
         for name, on, title, about in (
             ("night", own.night, marked("Night"), marked("Loud sounds are softer.")),
             ("captions", own.captions, marked("Captions"), marked("Sounds are shown in words.")),

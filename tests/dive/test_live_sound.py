@@ -6,7 +6,7 @@ import pytest
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.settings import SoundSettings
 from subsea.scenario.load import load_scenario
-from subsea.sound.moment import Moment
+from subsea.sound.moment import HeardSound, Moment
 from subsea.sound.space import loudspeakers
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
@@ -73,10 +73,44 @@ def test_volumes_are_heard_at_once_and_shown(sound):
 
 def test_captions_name_the_sound_and_its_side_but_not_again_and_again(sound):
     live, lines = sound
-    school = ("a school passes", -0.9, 0.1), ("crunching", 0.8, 0.05)
-    for tick in (1, 2, 3, 400):
-        live._caption(Moment(tick, 1, np.zeros((0, 10)), np.zeros((7, 5)), school))
-    assert lines == ["[a school passes, left]", "[crunching, right]", "[a school passes, left]"]
+    heard = (
+        HeardSound("a school passes", (-0.9, 0.0, 0.0), 0.1, 500.0),
+        HeardSound("crunching", (0.8, 0.5, 0.0), 0.05, 120.0),
+    )
+    for tick in (1, 2, 3, 70, 71, 400):
+        live._caption(moment(tick, *heard))
+    assert lines == [
+        "[a school passes, left]", "[crunching, right, close]", "[a school passes, left]",
+    ]  # fmt: skip
+
+
+def moment(tick, *heard):
+    return Moment(tick, 1, np.zeros((0, 10)), np.zeros((11, 5)), heard)
+
+
+def test_what_leads_comes_first_and_returns_when_it_has_moved(sound):
+    live, lines = sound
+    school = HeardSound("a school passes", (-0.9, 0.0, 0.0), 0.5, 500.0)
+    large = HeardSound("something large", (-0.9, 0.3, 0.0), 0.02, 1200.0, True)
+    hush = HeardSound("the reef falls silent", (0.0, 0.0, 0.0), 0.9, 100.0, True)
+    live._caption(moment(1, school, large))
+    live._caption(moment(70, hush))
+    live._caption(moment(240, large))  # unchanged
+    live._caption(moment(310, large._replace(away=200.0, way=(0.1, 0.9, 0.0))))
+    assert lines == [
+        "[something large, left, far off]", "[the reef falls silent]",
+        "[something large, ahead, close]",
+    ]  # fmt: skip
+
+
+def test_the_score_is_off_until_it_is_asked_for(sound):
+    live, lines = sound
+    assert live.levels.score == 0.0
+    live.turn_score()
+    assert live._player.levels.score == live.settings.score_level > 0.0
+    live.turn_score()
+    assert live._player.levels.score == 0.0
+    assert lines == ["score on", "score off"]
 
 
 def test_a_computer_without_loudspeakers_opens_no_device():

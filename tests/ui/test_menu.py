@@ -384,12 +384,18 @@ def test_the_page_of_sound(boat, menu):
     for level in ("50%", "0%", "100%"):
         entry("Fishes").act()
         assert entry("Fishes").aside == level
+    for level in ("100%", "70%", "40%", "off"):
+        entry("Quiet score").act()
+        assert entry("Quiet score").aside == level
     entry("Night").act()
     entry("Captions").act()
     assert (entry("Night").aside, entry("Captions").aside) == ("on", "on")
     menu.page = ""
     boat.sound.change(
-        **{name: getattr(before, name) for name in ("volume", "mute", "night", "captions")}
+        **{
+            name: getattr(before, name)
+            for name in ("volume", "mute", "night", "captions", "score_level")
+        }
     )
 
 
