@@ -60,6 +60,7 @@ def test_a_tour_starts_in_the_resumed_dive(world, monkeypatch):
         _set_overlays=lambda: None,
         picture=SimpleNamespace(open_world=lambda *given: done.append("scene"), close_world=None),
         inspector=SimpleNamespace(reset=lambda: None),
+        card=SimpleNamespace(clear=lambda: None),
         sound=SimpleNamespace(fish=None, attend=lambda world: done.append("heard")),
     )
     monkeypatch.setattr(dive, "endless_tour", lambda world, tour: done.append("boarded") or tour)

@@ -49,7 +49,7 @@ def test_its_menu_has_no_way_out(exhibit, user):
     user.do("key", "Escape")
     user.until(exhibit, lambda: exhibit.menu.open)
     names = [entry.text for entry in exhibit.menu.entries()]
-    assert names == ["Continue", "Settings", "Scenario", "Help"]
+    assert names == ["Continue", "Logbook", "Settings", "Scenario", "Help"]
     exhibit.menu.page = "Settings"
     assert [entry.text for entry in exhibit.menu.entries()] == ["Comfort", "Language", "Back"]
     exhibit.menu.page = ""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from subsea.ui.dive import Dive
+from subsea.ui.gui import MARK
 from subsea.ui.first_picture import FirstPicture
 from subsea.ui.open_windows import open_windows
 from tests.support.windows import dive_options
@@ -111,7 +112,7 @@ def test_at_the_edge_of_the_sea_a_sign_shows_the_way_back(rested, user):
         rested.frame(0.0)
         rested.frame(0.0)
         ahead = user.screen(rested)[40:140, 80:240]  # above the instruments
-        return (np.abs(ahead - (140, 230, 255)).max(axis=2) < 25).sum()
+        return (np.abs(ahead - np.multiply(MARK, 255.0)).max(axis=2) < 25).sum()
 
     submarine = rested.world.state.submarine
     before = submarine.position.copy()

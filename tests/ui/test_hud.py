@@ -85,7 +85,7 @@ def test_the_help_shows_the_inputs_as_they_are_bound():
     usual = help_content(USUAL)
     assert (usual.left, usual.right, usual.wheel) == ("ahead", "back", "wheel: speed, press: stop")
     assert usual.moving and usual.both
-    keys = {row.what: row.keys for row in usual.rows}
+    keys = {row.what: row.keys for _, rows in usual.groups for row in rows}
     assert keys["hold: turn"] == ("A", "D") and keys["menu"] == ("Esc",)
     assert keys["follow a fish"] == ("C",) and keys["steer the fish"] == ("G",)
     own = bindings_of(
@@ -93,7 +93,7 @@ def test_the_help_shows_the_inputs_as_they_are_bound():
     )
     help_ = help_content(own, steers=False, without=("desk",))
     assert (help_.left, help_.right, help_.moving, help_.both) == ("rise", "back", "", "")
-    keys = {row.what: row.keys for row in help_.rows}
+    keys = {row.what: row.keys for _, rows in help_.groups for row in rows}
     assert keys["hold: ahead, back"] == ("I", "S") and keys["menu"] == ("M",)
     assert not {"this help", "panels", "ride a fish"} & set(keys)
 

@@ -139,10 +139,10 @@ def thumbnail_area(boat, user, monkeypatch, name):
     def noted(entry, line):
         draw(entry, line)
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        if entry.scenario:
+        if entry.picture:
             wide, tall = (side * line for side in THUMBNAIL)
             gap = (high.y - low.y - tall) / 2
-            found[entry.scenario.stem] = low.x + gap, low.y + gap, wide, tall
+            found[entry.picture.stem] = low.x + gap, low.y + gap, wide, tall
 
     with monkeypatch.context() as patch:
         patch.setattr(boat.menu, "draw_entry", noted)
@@ -473,7 +473,7 @@ def test_sentences_below_entries_fit_in_every_language(boat, menu, monkeypatch, 
     def noted(entry, line):
         room = menu._width - 1.4
         about = imgui.calc_text_size(entry.about).x * ABOUT_SIZE * LEAST_ABOUT
-        about += THUMBNAIL[0] * line if entry.scenario else 0.0
+        about += THUMBNAIL[0] * line if entry.picture else 0.0
         both = imgui.calc_text_size(entry.text).x + 0.7 * imgui.calc_text_size(entry.aside).x
         wide[entry.text] = max(about, both) / line < room
         draw(entry, line)
