@@ -51,9 +51,10 @@ def test_its_menu_has_no_way_out(exhibit, user):
     names = [entry.text for entry in exhibit.menu.entries()]
     assert names == ["Continue", "Logbook", "Settings", "Scenario", "Help"]
     exhibit.menu.page = "Settings"
-    assert [entry.text for entry in exhibit.menu.entries()] == ["Comfort", "Language", "Back"]
+    parts = [entry.text for entry in exhibit.menu.entries()]
+    assert parts == ["Comfort", "Reading", "Language", "Back"]
     exhibit.menu.page = ""
-    user.do("key", "Down", "Down", "Return")
+    user.do("key", "Down", "Down", "Down", "Return")
     user.glide(exhibit, 0.5)
     assert exhibit.menu.page == "Scenario"
     assert "Restart" not in [entry.text for entry in exhibit.menu.entries()]

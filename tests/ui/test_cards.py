@@ -75,6 +75,8 @@ def test_a_visitor_sees_three_cards_about_a_fish_ahead_and_more_behind_the_bar(o
     spots.click(opened, "more")
     assert "Physics" in spots
     spots.click(opened, "less")
+    spots.clear()
+    user.glide(opened, 0.2)
     assert "Physics" not in spots and inspector.shown == set(CARDS)
 
 

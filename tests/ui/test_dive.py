@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from subsea.ui.dive import Dive
-from subsea.ui.gui import MARK
 from subsea.ui.first_picture import FirstPicture
+from subsea.ui.gui import MARK
 from subsea.ui.open_windows import open_windows
 from tests.support.windows import dive_options
 

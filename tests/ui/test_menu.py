@@ -426,7 +426,8 @@ def test_a_key_is_bound_by_pressing_it(boat, menu, user, english):
     press(boat, user, "z")
     assert (lights != before).all()
     press(boat, user, "z")
-    assert any("z" in row.keys or "Z" in row.keys for row in boat.overlay.help.rows)
+    rows = [row for _, rows in boat.overlay.help.groups for row in rows]
+    assert any("z" in row.keys or "Z" in row.keys for row in rows)
     boat.preferences.usual_keys()
 
 
