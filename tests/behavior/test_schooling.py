@@ -43,7 +43,7 @@ def _urge(t, i=0):
 
 @pytest.mark.parametrize(("gap_bl", "sign"), [(0.4, -1.0), (AT_EASE, 0.0), (2.0, 1.0)])
 def test_neighbours_repel_near_and_attract_far(tank, gap_bl, sign):
-    """Where a neighbour does neither, only the heading, x, counts; the goal lies ahead."""
+    """At a distance between the two only the heading, x, counts. The goal lies ahead."""
     t = _calm(_school(tank, (0.0, gap_bl, 0.0)))
     t.minds.waypoint[0] = HERE + (500.0, 0.0, 0.0)
     assert np.sign(np.round(_urge(t)[1], 6)) == sign

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, target
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.habitat.day import in_daylight
@@ -253,7 +253,7 @@ def test_fear_is_of_visible_predators(tank, seed, company):
         assert t.minds.predator[i] == most[1]
         assert t.minds.menace[i] == pytest.approx(min(most[0], 1.0), rel=1e-4)
     seen = t.minds.predator[t.fishes.alive & (t.minds.kind == PREY)]
-    target(float(np.count_nonzero(seen != NOBODY)))  # look for crowds in which some are seen
+    assert (seen != NOBODY).any()
 
 
 def test_coward_and_bold(tank):
