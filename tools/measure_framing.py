@@ -3,7 +3,7 @@
 Prints for each tour of a scenario, the autopilot first, the share of frames with a subject, and the
 fastest turn of the view. A subject is a fish, or a group of fishes close together in the picture,
 whose box covers a twentieth of the picture or more and does not touch its border. Boxes come from
-the maps of identity. A cut is no turn.
+the maps of identity. Cuts do not count as turns.
 """
 
 import argparse

@@ -40,7 +40,7 @@ TURN_S = 2.0  # to change to another subject
 DIPPED_CM = 30.0  # least depth of a hook to look at
 COURT_CM = 350.0  # largest distance of a pair to look at
 HUNT_CM = 900.0  # and of a hunter: farther ones are specks, and outrun the submarine
-# By turns a shoal and a large fish; a shoal of fewer fishes is no subject beside a large fish.
+# A shoal and a large fish by turns; of fewer fishes than FEW it shows a large one instead.
 SHOAL_S, FISH_S, FEW = 18.0, 22.0, 6
 FISH_CM, LARGE_CM = 900.0, 20.0  # largest distance of a large fish, and least length
 
@@ -145,7 +145,7 @@ class Tour:
         wanted = max(wanted, NEAREST_CM)
         aside = self._detour(world, math.atan2(y, x))
         ahead = float(boat.velocity @ hull_axes(boat.angles[0], 0.0)[0])
-        surge = _within((level - wanted - LOOKAHEAD_S * ahead) / 200.0, -0.4, 0.5)
+        surge = _within((level - wanted - LOOKAHEAD_S * ahead) / 130.0, -0.4, 0.6)
         if aside:
             surge = max(surge, DETOUR_SURGE)
         else:

@@ -160,14 +160,14 @@ def test_the_autopilot_turns_and_tilts_no_faster_than_a_tour(world, bearing):
     hook(world, boat.position + 300.0 * way, HANGING)
     world.state.sea.hook[2] = -60.0
     fastest = np.zeros(2)
-    for _ in range(300):
+    for _ in range(660):
         step_hull(boat, tour.helm(world), TICK_S, world.state.sea)
         world.state.tick += 1
         fastest = np.maximum(fastest, np.abs(boat.rates))
     assert 0.05 < fastest[0] < 1.02 * TURN_RAD_S
     assert fastest[1] < 1.02 * TURN_RAD_S
     x, y, _ = world.state.sea.hook - boat.position
-    assert abs(math.remainder(math.atan2(y, x) - boat.angles[0], math.tau)) < 0.35
+    assert abs(math.remainder(math.atan2(y, x) - boat.angles[0], math.tau)) < 0.45
 
 
 def test_the_aim_glides_from_one_subject_to_the_next(world):
