@@ -92,7 +92,7 @@ def around(world: World, away_cm: float) -> Iterator[tuple[str, CameraPose]]:
         yield name, pose_from_angles(eye, turn, np.radians(-8.0))
 
 
-def structure(picture: NDArray[np.uint8], kind: NDArray[np.uint8]) -> tuple[float, float]:
+def structure(picture: NDArray[np.uint8], kind: NDArray[Any]) -> tuple[float, float]:
     """Measure the shares of pixels with local contrast, and of those that show a thing."""
     grey = picture.astype(np.float64).mean(axis=2)
     side = 2 * AROUND_PX + 1

@@ -185,15 +185,15 @@ def wreck(one: Wreck, floor: Floor) -> Array:
             top = high * (1.0 + SHEER * along**2)
             gone = abs(along) < 0.75 and rng.uniform() < one.broken
             up = top * (rng.uniform(0.3, 0.55) if gone else rng.uniform(0.94, 1.0))
-            out = side * (beam - thick)
-            rows.append((along * half, out, 0.35 * up, long, thick, 0.65 * up, turn))
+            aside = side * (beam - thick)
+            rows.append((along * half, aside, 0.35 * up, long, thick, 0.65 * up, turn))
             if gone:  # a rib that leans on the broken plate
                 up = top * rng.uniform(0.7, 0.95)
                 rib = 0.8 * thick, thick, 0.55 * up
-                rows.append((along * half, out - 0.5 * side * thick, 0.45 * up, *rib, turn))
+                rows.append((along * half, aside - 0.5 * side * thick, 0.45 * up, *rib, turn))
     for along in np.arange(-0.85, 0.9, 0.14):  # the keel, buried
-        size = 0.13 * half, 0.8 * _beam(along) * wide, 0.16 * high
-        rows.append((along * half, 0.0, 0.0, *size, 0.0))
+        keel = 0.13 * half, 0.8 * _beam(along) * wide, 0.16 * high
+        rows.append((along * half, 0.0, 0.0, *keel, 0.0))
     for along, share, size in ((-0.72, 0.74, 0.26), (0.62, 0.72, 0.24)):  # decks aft and fore
         flat = size * half, 0.86 * _beam(along) * wide, max(0.09 * high, LEAST_CM)
         rows.append((along * half, 0.0, share * high, *flat, 0.0))
@@ -202,12 +202,14 @@ def wreck(one: Wreck, floor: Floor) -> Array:
     stem = 0.06 * half, thick, 0.72 * high * (1.0 + SHEER)
     rows.append((0.97 * half, 0.0, 0.32 * high, *stem, 0.0))
     for step in range(3):  # the bowsprit
-        at = half * (1.02 + 0.07 * step), 0.0, high * (1.0 + SHEER) * (0.92 + 0.09 * step)
-        rows.append((*at, 0.06 * half, 0.8 * thick, 0.8 * thick, 0.0))
+        spar = half * (1.02 + 0.07 * step), 0.0, high * (1.0 + SHEER) * (0.92 + 0.09 * step)
+        rows.append((*spar, 0.06 * half, 0.8 * thick, 0.8 * thick, 0.0))
     if one.mast_cm > high:
         pole = max(MAST_WIDE * one.length_cm, LEAST_CM)
-        step = 0.5 * one.mast_cm
-        rows += [(MAST_AT * half, 0.0, k * step, pole, pole, 0.62 * step, 0.0) for k in (0.4, 1.38)]
+        section = 0.5 * one.mast_cm
+        rows += [
+            (MAST_AT * half, 0.0, k * section, pole, pole, 0.62 * section, 0.0) for k in (0.4, 1.38)
+        ]
         yard = pole, 0.95 * wide, 0.8 * pole
         rows.append((MAST_AT * half, 0.0, 0.74 * one.mast_cm, *yard, rng.uniform(-0.3, 0.3)))
         fallen = 0.42 * half, pole, pole  # the other mast lies over the side
