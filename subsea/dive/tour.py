@@ -33,29 +33,35 @@ from subsea.submarine.vessel import (
 from subsea.world.world import TICK_S, World
 
 # Kinds of subjects, the most interesting first.
-HOOK, HUNT, PAIR, SHOAL = range(4)
+HOOK, HUNT, PAIR, FISH, SHOAL = range(5)
 KEEP_S = 4.0  # time to keep looking at an ended subject: it may only be interrupted
 FAITH = 0.5  # factor on the distance of the current hunter or pair, which is preferred
 TURN_S = 2.0  # to change to another subject
 DIPPED_CM = 30.0  # least depth of a hook to look at
 COURT_CM = 350.0  # largest distance of a pair to look at
-HUNT_CM = 650.0  # and of a hunter: farther ones are specks, and outrun the submarine
+HUNT_CM = 900.0  # and of a hunter: farther ones are specks, and outrun the submarine
+# A shoal and a large fish by turns; of fewer fishes than FEW it shows a large one instead.
+SHOAL_S, FISH_S, FEW = 18.0, 22.0, 6
+FISH_CM, LARGE_CM = 900.0, 20.0  # largest distance of a large fish, and least length
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
-SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 85.0, 600.0
+SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 140.0, 140.0, 62.0, 600.0
 # Framing. A picture is about 1.85 times as wide as its subject is far away.
 GATHERED_CM, SHIFTS = 260.0, 3  # reach of what is seen of a shoal at a time, and steps to find it
 MOST = 0.8  # share of those gathered that must not be cropped
-FILLED = 1.9  # distance of a subject over its width, so that it fills a good quarter of the picture
+FILLED = 1.3  # distance of a subject over its width, so that it fills 40% of the picture's width
+PORTRAIT = 1.6  # distance of one fish over its length: from the side a third of the width
 LEAD, LEAD_CM_S = 0.24, 12.0  # room before a moving subject over its distance; a brisk speed
 LOW = (
     0.05  # how far below a shoal the view aims, over its distance: the sea floor is in the picture
 )
 # Three slow swings with incommensurate periods keep the view moving while the fishes hover.
-NEARER, NEARER_S = 0.35, 31.0
+NEARER, NEARER_S = 0.15, 31.0
 ASIDE_RAD, ASIDE_S = 0.20, 23.0
 ABOVE, ABOVE_S = 0.22, 17.0
 LOOKAHEAD_S = 1.5  # the hull slips: begin to brake early
+MOST_YAW = 0.27  # share of full thrust: it turns at 15° a second at most, as tours do
+TILT_RAD_S, TILT = math.radians(10.0), 0.5  # change of the pitch asked for, and its largest share
 
 MARGIN_CM = 10.0  # added to pillars and rocks when they hide something
 DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn, to get around an obstacle
@@ -82,7 +88,7 @@ class Subject(NamedTuple):
     """The subject of a tour: a kind from HOOK to SHOAL, and its members.
 
     Members of a hook: its catch, if any; of a hunt: hunter and prey; of a pair: male and female;
-    of a shoal: its species and number of living fishes.
+    of a large fish: itself; of a shoal: its species and number of living fishes.
     """
 
     kind: int
@@ -103,6 +109,7 @@ class Tour:
         self._changed = 0.0  # s, when the subject last changed
         self._offset = np.zeros(4)  # from the subject to the aim, at that moment
         self._side = 0.0  # on which it passes an obstacle: 1 left, -1 right
+        self._pitch = 0.0  # the last command
 
     def helm(self, world: World) -> Helm:
         """The command for this tick; call once a tick."""
@@ -122,7 +129,7 @@ class Tour:
 
         A hook is dropped at once: it has left the water.
         """
-        found = _subjects(world, self.subject)
+        found = _subjects(world, self.subject, now)
         kind = self.subject.kind if self.subject else HOOK
         worse = found and found[0].kind > kind > HOOK
         if worse and now - self._seen < KEEP_S:
@@ -138,18 +145,20 @@ class Tour:
         wanted = max(wanted, NEAREST_CM)
         aside = self._detour(world, math.atan2(y, x))
         ahead = float(boat.velocity @ hull_axes(boat.angles[0], 0.0)[0])
-        surge = _within((level - wanted - LOOKAHEAD_S * ahead) / 200.0, -0.4, 0.5)
+        surge = _within((level - wanted - LOOKAHEAD_S * ahead) / 130.0, -0.4, 0.6)
         if aside:
             surge = max(surge, DETOUR_SURGE)
         else:
             aside = ASIDE_RAD * _swing(now, ASIDE_S)
         bearing = math.remainder(math.atan2(y, x) + aside - boat.angles[0], math.tau)
-        pitch = math.atan2(z, max(level, wanted))
+        pitch = _within(math.atan2(z, max(level, wanted)) / MAX_PITCH, -TILT, TILT)
+        most = TILT_RAD_S / MAX_PITCH * TICK_S
+        self._pitch += _within(pitch - self._pitch, -most, most)
         above = ABOVE * self.aim[3] * _swing(now, ABOVE_S)
         return Helm(
             surge=surge * math.cos(bearing / 2.0),
-            yaw=_within(0.9 * bearing - 0.5 * boat.rates[0], -0.6, 0.6),
-            pitch=_within(pitch / MAX_PITCH, -0.5, 0.5),
+            yaw=_within(0.9 * bearing - 0.5 * boat.rates[0], -MOST_YAW, MOST_YAW),
+            pitch=self._pitch,
             heave=_within((z + above) / 200.0, -0.4, 0.4),
         )
 
@@ -170,12 +179,13 @@ class Tour:
         return float((self._side or 1.0) * DETOURS[-1])
 
 
-def _subjects(world: World, present: Subject | None) -> list[Subject]:
+def _subjects(world: World, present: Subject | None, now: float) -> list[Subject]:
     """All possible subjects, the most interesting first.
 
     The nearest hunt and the furthest advanced pair come first; the current ones are preferred, and
     a pair that circles is kept to its end. Hunts count within HUNT_CM, or the visibility
-    if that is less, pairs within COURT_CM.
+    if that is less, pairs within COURT_CM. Without them it looks at a shoal and a large fish by
+    turns.
     """
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     if len(fishes.position) == 0:
@@ -185,7 +195,7 @@ def _subjects(world: World, present: Subject | None) -> list[Subject]:
     if SINKING <= state <= HOOKED and sea.hook[2] < -DIPPED_CM:
         found.append(Subject(HOOK, (catch,) if catch >= 0 else ()))
     away = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
-    lead = present.members[0] if present and present.kind in (HUNT, PAIR) else NOBODY
+    lead = present.members[0] if present and present.kind in (HUNT, PAIR, FISH) else NOBODY
     if lead != NOBODY:
         away[lead] *= FAITH
     near = fishes.alive & (away < min(world.scenario.water.visibility_cm, HUNT_CM))
@@ -201,9 +211,19 @@ def _subjects(world: World, present: Subject | None) -> list[Subject]:
     males = sorted(np.flatnonzero(courting), key=lambda i: (-stage[i], away[i]))
     found += [Subject(PAIR, (int(i), int(minds.partner[i]))) for i in males]
     counts = np.bincount(fishes.species[fishes.alive])
-    if len(counts):
-        found.append(Subject(SHOAL, (int(counts.argmax()), int(counts.max()))))
-    return found
+    if not len(counts):
+        return found
+    shoal = Subject(SHOAL, (int(counts.argmax()), int(counts.max())))
+    large = fishes.alive & (away < min(world.scenario.water.visibility_cm, FISH_CM))
+    large &= fishes.length > LARGE_CM
+    if not large.any():
+        return [*found, shoal]
+    # Seen as large as possible, if it is reached soon.
+    size = np.where(large, fishes.length / np.maximum(away, 3.0 * NEAREST_CM), 0.0)
+    one = Subject(FISH, (int(size.argmax()),))
+    if counts.max() < FEW or now % (SHOAL_S + FISH_S) >= SHOAL_S:
+        return [*found, one]
+    return [*found, shoal]
 
 
 def _aim(world: World, subject: Subject) -> Array:
@@ -216,9 +236,12 @@ def _aim(world: World, subject: Subject) -> Array:
         living = shoal & fishes.alive
         return _gathered(world, np.flatnonzero(living if living.any() else shoal))
     members = list(subject.members)
+    if subject.kind == FISH:
+        far = _within(PORTRAIT * float(fishes.length[members[0]]), NEAREST_CM, FARTHEST_CM)
+        return np.array([*fishes.position[members[0]].astype(np.float64), far])
     one, other = fishes.position[members].astype(np.float64)
     apart, longest = float(np.linalg.norm(one - other)), float(fishes.length[members].max())
-    distance = max(2.0 * longest + 0.6 * apart, FILLED * (0.6 * apart + 0.4 * longest))
+    distance = PORTRAIT * longest + 0.5 * apart
     return np.array([*(one + other) / 2.0, _within(distance, NEAREST_CM, FARTHEST_CM)])
 
 

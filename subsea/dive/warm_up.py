@@ -128,7 +128,7 @@ def _sound() -> None:
 
 def _open_water(live: int = 0) -> World:
     """A world whose creation compiles little."""
-    names = "rock", "outcrop", "ridge", "arch", "seaweed", "vent", "reef", "coral", "tour"
+    names = "rock", "outcrop", "ridge", "arch", "wreck", "seaweed", "vent", "reef", "coral", "tour"
     bare = dict.fromkeys(names, ())
     return create_world(replace(load_scenario(SCENARIO)[0], **bare), fish=FISHES, live=live)
 

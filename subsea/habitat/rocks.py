@@ -1,4 +1,4 @@
-"""The rocks of a scenario: single ones, and those of outcrops, ridges and arches.
+"""The rocks of a scenario: single ones, and those of outcrops, ridges, arches and wrecks.
 
 All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, yaw in rad. They
 never move, so a world lists once which are near each square cell of the seabed.
@@ -13,7 +13,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.vector import Vector
 from subsea.kernels import kernel
-from subsea.scenario.schema import Arch, Outcrop, Ridge, Rock, Scenario
+from subsea.scenario.schema import Arch, Outcrop, Ridge, Rock, Scenario, Wreck
 
 Floor = Callable[[float, float], float]  # x and y in cm -> height of the seabed in cm
 
@@ -27,6 +27,7 @@ def rock_rows(scenario: Scenario, floor: Floor) -> tuple[Array, list[str]]:
     parts += [(f"`outcrop[{k}]`", outcrop(one, floor)) for k, one in enumerate(scenario.outcrop)]
     parts += [(f"`ridge[{k}]`", ridge(one, floor)) for k, one in enumerate(scenario.ridge)]
     parts += [(f"`arch[{k}]`", arch(one, floor)) for k, one in enumerate(scenario.arch)]
+    parts += [(f"`wreck[{k}]`", wreck(one, floor)) for k, one in enumerate(scenario.wreck)]
     rows = np.concatenate([np.zeros((0, 7))] + [part for _, part in parts])
     return rows, [name for name, part in parts for _ in part]
 
@@ -156,6 +157,78 @@ def _of_arch(
     x, z = half * np.cos(t) + reach * slope[0], high * up + reach * slope[1]
     across = rng.uniform(-0.22, 0.22) * thick * (1.0 + 2.0 * out)
     return [x, across, z, a, b, c, rng.uniform(-0.15, 0.15)]
+
+
+# Of a wreck, over its length, its width and the height of its sides.
+PLATES = 10  # of each side
+SHEER = 0.35  # rise of the sides toward bow and stern, over their height
+LEAST_CM = 22.0  # least half thickness: thinner ones are lost in what is drawn far away
+MAST_AT, MAST_WIDE = 0.22, 0.016  # place and half thickness of the mast, over the length
+
+
+def wreck(one: Wreck, floor: Floor) -> Array:
+    """A wreck (k, 7): plates along both sides, a keel, decks fore and aft, a stem and a mast.
+
+    Broken plates are low, and ribs stand where they were. The hold amidships is open. All parts
+    stand on the plane of the seabed under the wreck, and reach into it.
+    """
+    rng = np.random.default_rng([one.seed, 0x5817])
+    half, wide, high = 0.5 * one.length_cm, 0.5 * one.width_cm, one.height_cm
+    thick = max(0.055 * one.width_cm, LEAST_CM)
+    rows: list[tuple[float, ...]] = []
+    places = np.linspace(-0.9, 0.86, PLATES)
+    long = 0.8 * half * (places[1] - places[0])
+    for side in (-1.0, 1.0):
+        for along in places:
+            beam = _beam(along) * wide
+            turn = side * np.arctan2((_beam(along + 0.05) - _beam(along - 0.05)) * wide, 0.1 * half)
+            top = high * (1.0 + SHEER * along**2)
+            gone = abs(along) < 0.75 and rng.uniform() < one.broken
+            up = top * (rng.uniform(0.3, 0.55) if gone else rng.uniform(0.94, 1.0))
+            aside = side * (beam - thick)
+            rows.append((along * half, aside, 0.35 * up, long, thick, 0.65 * up, turn))
+            if gone:  # a rib that leans on the broken plate
+                up = top * rng.uniform(0.7, 0.95)
+                rib = 0.8 * thick, thick, 0.55 * up
+                rows.append((along * half, aside - 0.5 * side * thick, 0.45 * up, *rib, turn))
+    for along in np.arange(-0.85, 0.9, 0.14):  # the keel, buried
+        keel = 0.13 * half, 0.8 * _beam(along) * wide, 0.16 * high
+        rows.append((along * half, 0.0, 0.0, *keel, 0.0))
+    for along, share, size in ((-0.72, 0.74, 0.26), (0.62, 0.72, 0.24)):  # decks aft and fore
+        flat = size * half, 0.86 * _beam(along) * wide, max(0.09 * high, LEAST_CM)
+        rows.append((along * half, 0.0, share * high, *flat, 0.0))
+    house = 0.15 * half, 0.52 * wide, 0.42 * high
+    rows.append((-0.74 * half, 0.0, 1.05 * high, *house, 0.0))
+    stem = 0.06 * half, thick, 0.72 * high * (1.0 + SHEER)
+    rows.append((0.97 * half, 0.0, 0.32 * high, *stem, 0.0))
+    for step in range(3):  # the bowsprit
+        spar = half * (1.02 + 0.07 * step), 0.0, high * (1.0 + SHEER) * (0.92 + 0.09 * step)
+        rows.append((*spar, 0.06 * half, 0.8 * thick, 0.8 * thick, 0.0))
+    if one.mast_cm > high:
+        pole = max(MAST_WIDE * one.length_cm, LEAST_CM)
+        section = 0.5 * one.mast_cm
+        rows += [
+            (MAST_AT * half, 0.0, k * section, pole, pole, 0.62 * section, 0.0) for k in (0.4, 1.38)
+        ]
+        yard = pole, 0.95 * wide, 0.8 * pole
+        rows.append((MAST_AT * half, 0.0, 0.74 * one.mast_cm, *yard, rng.uniform(-0.3, 0.3)))
+        fallen = 0.42 * half, pole, pole  # the other mast lies over the side
+        lies = rng.choice((-1.0, 1.0))
+        rows.append((-0.25 * half, 0.7 * lies * wide, 0.6 * high, *fallen, lies * 0.9))
+    out = np.array(rows)
+    yaw, (x, y) = np.radians(one.yaw_deg), one.position_cm
+    bow = np.array([np.cos(yaw), np.sin(yaw)])
+    ends = [floor(*(np.array([x, y]) + share * half * bow)) for share in (-0.7, 0.7)]
+    out[:, 2] += np.interp(out[:, 0] / half, (-0.7, 0.7), ends)
+    out[:, :2] = _turned(out[:, :2], yaw) + (x, y)
+    out[:, 6] += yaw
+    return out
+
+
+def _beam(along: float) -> float:
+    """Half width of a hull, over the largest, from its stern at -1 to its bow at 1."""
+    end = min(abs(along), 1.0)
+    return float(1.0 - end**2.4 if along > 0.0 else 1.0 - 0.45 * end**3)
 
 
 CELL_CM = 200.0

@@ -20,7 +20,8 @@ from subsea.scenario.shoals import Shoals, numbers_of, shoals_of
 
 # Tables with a place.
 PLACED = (
-    "fish", "pillar", "rock", "outcrop", "ridge", "arch", "vent", "reef", "coral", "seaweed",
+    "fish", "pillar", "rock", "outcrop", "ridge", "arch", "wreck", "vent", "reef", "coral",
+    "seaweed",
 )  # fmt: skip
 # Kind of fish that an influence needs among those that it is about.
 NEEDED = {"hunts": "predator", "rests": "predator", "fear": "prey", "libido": "pacifist"}

@@ -244,6 +244,19 @@ class Ridge(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     seed: Seed = 0
 
 
+class Wreck(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A sunken ship, upright on its keel and overgrown: broken sides, a deck, a mast."""
+
+    position_cm: tuple[Coordinate, Coordinate]  # of its middle
+    length_cm: Annotated[float, msgspec.Meta(ge=600, le=6000)] = 1200.0  # from stern to bow
+    width_cm: Annotated[float, msgspec.Meta(ge=180, le=1500)] = 360.0
+    height_cm: Annotated[float, msgspec.Meta(ge=100, le=1000)] = 240.0  # of its sides
+    mast_cm: Annotated[float, msgspec.Meta(ge=0, le=3000)] = 0.0  # top over the seabed; 0: no mast
+    broken: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.35  # share of the sides that is gone
+    yaw_deg: Coordinate = 0.0  # of the way that its bow points
+    seed: Seed = 0
+
+
 class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A baited hook that descends on a line (Tu §10.1)."""
 
@@ -433,6 +446,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     outcrop: Annotated[list[Outcrop], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     ridge: Annotated[list[Ridge], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     arch: Annotated[list[Arch], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    wreck: Annotated[list[Wreck], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     hook: Hook | None = None
     seaweed: list[SeaweedTable] = []
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []

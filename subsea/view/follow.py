@@ -1,11 +1,11 @@
-"""A smooth camera behind and above a fish that stays clear of stone, sand and air."""
+"""A smooth camera behind and above a fish that stays clear of stone, sand, air and fishes."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.geometry.rotation import x_axis
+from subsea.geometry.rotation import matrix, x_axis
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import Vector, minus, plus, times, vector
 from subsea.habitat.contact import clearance, out_of_solids
@@ -23,6 +23,10 @@ ROOM_CM = 12.0  # clearance from solids and the surface, beyond the near plane's
 PLACE_S, WAY_S = 0.25, 0.9  # time constants of position and heading
 RECEDES = 0.6  # 1/s: speed at which the camera moves back after an obstacle
 STEPS = 24  # points tested between the fish and the camera
+# Room about other fishes, each a capsule along its body.
+HALF_BL, WIDE_BL, MATE_CM = 0.45, 0.14, 7.0  # half its axis and its radius, L, and more radius
+DODGE_S = 0.5  # time constant of the way back once a fish has passed
+DODGES = 16  # fishes that may push the camera in one picture
 
 
 class FollowCamera(NamedTuple):
@@ -33,6 +37,7 @@ class FollowCamera(NamedTuple):
     way: Array  # (3,) smoothed heading of the fish, not unit
     share: float  # of the full distance, less than 1 near obstacles
     among: float  # smoothed depth of the fish among growths, which make room: 0 to 1
+    dodge: Array  # (3,) cm, way from its place to clear water between other fishes
 
 
 def follow_fish(
@@ -48,12 +53,14 @@ def follow_fish(
     aim, turn = bodies_at(world, fish, alpha)
     way = np.array(x_axis(turn))
     share, among = 1.0, _among(world.state.sea, vector(aim))
+    dodge = np.zeros(3)
     if before is not None and 0.0 <= now - before.at_s < 1.0:
         spent = now - before.at_s
         aim = before.aim + (1.0 - np.exp(-spent / PLACE_S)) * (aim - before.aim)
         way = before.way + (1.0 - np.exp(-spent / WAY_S)) * (way - before.way)
         share = before.share + RECEDES * spent
         among = before.among + (1.0 - np.exp(-spent / WAY_S)) * (among - before.among)
+        dodge = np.exp(-spent / DODGE_S) * before.dodge
     length = float(world.state.fishes.length[fish])
     level = np.array([way[0], way[1], SLANT * way[2]])
     level /= max(float(np.linalg.norm(level)), 1e-6)
@@ -70,7 +77,36 @@ def follow_fish(
     if float(np.linalg.norm(up)) < 1e-3:  # straight above it
         up = level - (forward @ level) * forward
     up /= np.linalg.norm(up)
-    return FollowCamera(now, aim, way, share, among), CameraPose(np.array(eye), forward, up)
+    place = np.array(eye)
+    dodged = _between_fishes(world, fish, alpha, place + dodge)
+    dodged = np.array(out_of_solids(sea, vector(dodged), ROOM_CM, ROOM_CM, ROOM_CM))
+    after = FollowCamera(now, aim, way, share, among, dodged - place)
+    return after, CameraPose(dodged, forward, up)
+
+
+def _between_fishes(world: World, fish: int, alpha: float, eye: Array) -> Array:
+    """Push the eye (3,) out of the room about all fishes but `fish`."""
+    fishes = world.state.fishes
+    reach = 2.0 * MATE_CM + (HALF_BL + 2.0 * WIDE_BL) * fishes.length
+    near = fishes.alive & (((fishes.position - eye) ** 2).sum(axis=1) < (reach + BACK_CM) ** 2)
+    near[fish] = False
+    who = np.flatnonzero(near)
+    if not len(who):
+        return eye
+    place, turn = bodies_at(world, who, alpha)
+    axis, length = matrix(turn)[..., 0], fishes.length[who].astype(np.float64)
+    for _ in range(DODGES):
+        along = ((eye - place) * axis).sum(axis=1)
+        along = np.clip(along, -HALF_BL * length, HALF_BL * length)
+        away = eye - place - along[:, None] * axis
+        gap = np.linalg.norm(away, axis=1)
+        inside = WIDE_BL * length + MATE_CM - gap
+        k = int(inside.argmax())
+        if inside[k] <= 0.0:
+            break
+        way = away[k] / gap[k] if gap[k] > 1e-3 else np.array([0.0, 0.0, 1.0])
+        eye = eye + (inside[k] + 0.1) * way
+    return eye
 
 
 def _among(sea: Sea, fish: Vector) -> float:

@@ -125,6 +125,7 @@ def _occupied(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
     occupied += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.rock]
     occupied += [(r.position_cm, max(r.size_cm[:2]) + ROOM_CM) for r in scenario.outcrop]
     occupied += [(a.position_cm, a.span_cm + ROOM_CM) for a in scenario.arch]
+    occupied += [(w.position_cm, 0.5 * w.length_cm + ROOM_CM) for w in scenario.wreck]
     if scenario.hook is not None:
         occupied.append((scenario.hook.position_cm, ROOM_CM))
     occupied += [(p.position_cm[:2], ROOM_CM) for tour in scenario.tour for p in tour.waypoint]

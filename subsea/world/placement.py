@@ -38,6 +38,7 @@ from subsea.scenario.schema import (
     SeaweedTable,
     Shoal,
     Vent,
+    Wreck,
 )
 from subsea.scenario.shoals import with_shoal_size
 from subsea.state import HULL_CM, Fishes, Sea
@@ -71,8 +72,8 @@ Place = tuple[float, float, float]  # x, y, z in cm
 
 KINDS = {
     "fish": "a school", "pillar": "a pillar", "rock": "a rock", "outcrop": "a knoll",
-    "ridge": "a ridge", "arch": "an arch", "seaweed": "seaweed", "reef": "a reef",
-    "coral": "a single coral", "vent": "a vent of bubbles",
+    "ridge": "a ridge", "arch": "an arch", "wreck": "a wreck", "seaweed": "seaweed",
+    "reef": "a reef", "coral": "a single coral", "vent": "a vent of bubbles",
     "hook": "the hook", "submarine": "where the submarine starts",
 }  # fmt: skip
 """Tables of a scenario with a place, and their display names."""
@@ -116,7 +117,7 @@ def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
     ]
     if scenario.hook is not None:
         out.append(_handle("hook", 0, scenario.hook.bait_cm, KNOB_CM, sea))
-    for kind in ("rock", "outcrop", "ridge", "arch"):
+    for kind in ("rock", "outcrop", "ridge", "arch", "wreck"):
         for k, table in enumerate(getattr(scenario, kind)):
             body = rows[[name == f"`{kind}[{k}]`" for name in names]]
             out.append(Handle(kind, k, _foot(table, sea), body, ellipses(body)))
@@ -212,11 +213,12 @@ SIZES = {
     "pillar": ("radius_cm", "height_cm"), "rock": ("size_cm",), "outcrop": ("size_cm",),
     "ridge": ("length_cm", "width_cm", "height_cm"), "coral": ("size_cm",),
     "arch": ("span_cm", "height_cm", "thickness_cm"),
+    "wreck": ("length_cm", "width_cm", "height_cm", "mast_cm"),
 }  # fmt: skip
 """Keys of each kind that scale with its size."""
 
 TURNS = dict.fromkeys(("fish", "submarine"), "heading_deg") | dict.fromkeys(
-    ("rock", "outcrop", "ridge", "arch", "coral"), "yaw_deg"
+    ("rock", "outcrop", "ridge", "arch", "wreck", "coral"), "yaw_deg"
 )
 """Key of each kind for its direction."""
 
@@ -248,7 +250,7 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
 def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """Scale the height of a thing on the seabed within its limits."""
     table = table_of(scenario, handle.kind, handle.number)
-    if handle.kind in ("pillar", "ridge", "arch", "seaweed"):
+    if handle.kind in ("pillar", "ridge", "arch", "wreck", "seaweed"):
         high = _clamped(type(table), "height_cm", factor * table.height_cm)
         return _with(scenario, handle, height_cm=high)
     if handle.kind in ("rock", "outcrop"):
@@ -285,6 +287,7 @@ def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
         "outcrop": Outcrop(position_cm=on, size_cm=(120.0, 90.0, 80.0), seed=number),
         "ridge": Ridge(position_cm=on, length_cm=240.0, width_cm=90.0, height_cm=90.0, seed=number),
         "arch": Arch(position_cm=on, span_cm=350.0, height_cm=250.0, seed=number),
+        "wreck": Wreck(position_cm=on, length_cm=900.0, width_cm=280.0, seed=number),
         "seaweed": SeaweedTable(position_cm=on, spread_cm=60.0, clusters=4),
         "reef": ReefTable(position_cm=on, spread_cm=120.0, number=40, seed=number),
         "coral": CoralTable(kind="staghorn", position_cm=on, seed=number),

@@ -9,12 +9,16 @@ from subsea.dive.pilot import Pilot
 from subsea.dive.start import start_world
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import (
+    FISH,
+    FISH_S,
     HOOK,
     HUNT,
     KEEP_S,
     NEAREST_CM,
     PAIR,
+    PORTRAIT,
     SHOAL,
+    SHOAL_S,
     TURN_S,
     Subject,
     Tour,
@@ -22,7 +26,7 @@ from subsea.dive.tour import (
 )  # fmt: skip
 from subsea.scenario.load import load_scenario
 from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR
-from subsea.submarine.vessel import course_of, rail_at
+from subsea.submarine.vessel import TURN_RAD_S, course_of, rail_at, step_hull
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step
@@ -119,6 +123,51 @@ def test_the_autopilot_frames_hunter_and_prey(world):
     np.testing.assert_allclose(near[:3], fishes.position[[2, 3]].mean(axis=0), atol=1e-3)
     fishes.position[3, 0] += 250.0
     assert ask(world, tour)[-1][3] > near[3] >= NEAREST_CM
+
+
+def test_the_autopilot_looks_at_a_shoal_and_a_large_fish_by_turns(world):
+    fishes, tour, kinds = world.state.fishes, Tour(), []
+    fishes.length[:] = 12.0
+    fishes.length[7] = 100.0
+    for _ in range(round((2 * SHOAL_S + 2 * FISH_S) / TICK_S)):
+        tour.helm(world)
+        kinds.append(tour.subject.kind)
+        if tour.subject.kind == FISH:
+            assert tour.subject.members == (7,)
+        world.state.tick += 1
+    assert np.mean(np.array(kinds) == FISH) == pytest.approx(FISH_S / (SHOAL_S + FISH_S), abs=0.15)
+    assert set(kinds) == {FISH, SHOAL}
+    world.state.tick = round((SHOAL_S + 0.5 * FISH_S) / TICK_S)
+    tour = Tour()
+    aim = ask(world, tour)[-1]
+    np.testing.assert_allclose(aim[:3], fishes.position[7], atol=1e-3)
+    assert aim[3] == pytest.approx(PORTRAIT * 100.0)
+
+
+def test_few_fishes_are_no_shoal_beside_a_large_one(world):
+    world.state.fishes.alive[3:] = False
+    world.state.fishes.length[1] = 60.0
+    tour = Tour()
+    ask(world, tour)
+    assert tour.subject == Subject(FISH, (1,))
+
+
+@pytest.mark.parametrize("bearing", [0.5, 2.0, 3.1])
+def test_the_autopilot_turns_and_tilts_no_faster_than_a_tour(world, bearing):
+    boat, tour = world.state.submarine, Tour()
+    boat.angles[:] = 0.0
+    way = np.array([math.cos(bearing), math.sin(bearing), 0.9])
+    hook(world, boat.position + 300.0 * way, HANGING)
+    world.state.sea.hook[2] = -60.0
+    fastest = np.zeros(2)
+    for _ in range(660):
+        step_hull(boat, tour.helm(world), TICK_S, world.state.sea)
+        world.state.tick += 1
+        fastest = np.maximum(fastest, np.abs(boat.rates))
+    assert 0.05 < fastest[0] < 1.02 * TURN_RAD_S
+    assert fastest[1] < 1.02 * TURN_RAD_S
+    x, y, _ = world.state.sea.hook - boat.position
+    assert abs(math.remainder(math.atan2(y, x) - boat.angles[0], math.tau)) < 0.45
 
 
 def test_the_aim_glides_from_one_subject_to_the_next(world):

@@ -8,9 +8,19 @@ from hypothesis import strategies as st
 
 from subsea.habitat.contact import clearances
 from subsea.habitat.formations import formations
-from subsea.habitat.rocks import arch, outcrop, rock_rows, single
+from subsea.habitat.rocks import arch, outcrop, rock_rows, single, wreck
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario, Shoal, Start, Terrain
+from subsea.scenario.schema import (
+    MAX_SOLIDS,
+    Arch,
+    Outcrop,
+    Rock,
+    Scenario,
+    Shoal,
+    Start,
+    Terrain,
+    Wreck,
+)
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.vessel import NEUTRAL, Helm, step_hull
 from subsea.world.build import create_world
@@ -128,3 +138,18 @@ def test_every_rock_knows_its_table():
     rows, names = rock_rows(scenario, level)
     assert len(rows) == len(names)
     assert names[:5] == ["`rock[0]`", *3 * ["`outcrop[0]`"], "`arch[0]`"]
+
+
+@given(SEED, st.floats(600, 3000), st.floats(0.0, 1.0), st.floats(-180, 180))
+def test_a_wreck_lies_on_the_sand_and_its_hold_is_open(seed, length, broken, yaw):
+    one = Wreck(position_cm=(50, 60), length_cm=length, width_cm=0.3 * length,
+                height_cm=0.18 * length, mast_cm=0.5 * length, broken=broken, yaw_deg=yaw,
+                seed=seed)  # fmt: skip
+    rows = wreck(one, slanting)
+    np.testing.assert_array_equal(rows, wreck(one, slanting))
+    assert len(rows) <= MAX_SOLIDS
+    assert np.hypot(*(rows[:, :2] - (50, 60)).T).max() < 0.65 * length
+    ground = np.array([slanting(x, y) for x, y in rows[:, :2]])
+    assert (rows[:, 2] + rows[:, 5] - ground).max() < 0.5 * length + 0.1 * length
+    hold = np.array([[50.0, 60.0, slanting(50, 60) + 0.6 * 0.18 * length]])
+    assert clearances(NO_PILLARS, rows, hold).min() > 0.05 * length

@@ -11,6 +11,7 @@ from subsea.submarine.vessel import NEUTRAL
 from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
 from subsea.world.build import create_world
 from subsea.world.step import step
+from subsea.world.world import TICK_S
 
 NEAR_CM = 8.0  # clearance of the near plane's corners
 
@@ -118,3 +119,33 @@ def test_it_comes_nearer_at_once_and_goes_back_slowly(world):
     assert shares[-1] == 1.0
     assert np.diff(shares).max() < 0.05
     assert ROOM_CM > NEAR_CM
+
+
+def test_it_never_sits_in_another_fish_of_a_dense_school_nor_jumps(world):
+    fishes, rng = world.state.fishes, np.random.default_rng(6)
+    fish, mates = 0, np.arange(1, 50)
+    length = float(fishes.length[fish])
+    middle = np.array([-250.0, 60.0, -250.0])
+    drift = rng.uniform(-1.0, 1.0, (len(mates), 3)) * (30.0, 3.0, 3.0)  # cm/s
+    fishes.orientation[: len(mates) + 1] = fishes.previous_orientation[: len(mates) + 1] = (
+        1.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+    fishes.position[fish] = fishes.previous_position[fish] = middle
+    _, pose = follow_fish(world, fish, 1.0, None)
+    start = pose.eye - middle + rng.uniform(-1.0, 1.0, (len(mates), 3)) * (4.0, 0.8, 0.8) * length
+    camera, before, pushed, least = None, None, 0, np.inf
+    for k in range(240):
+        world.state.tick += 1
+        there = middle + start + k * TICK_S * drift
+        fishes.position[mates] = fishes.previous_position[mates] = there
+        camera, pose = follow_fish(world, fish, 1.0, camera)
+        away = pose.eye - there
+        along = np.clip(away[:, 0], -0.45 * fishes.length[mates], 0.45 * fishes.length[mates])
+        away[:, 0] -= along
+        least = min(least, float((np.linalg.norm(away, axis=1) / fishes.length[mates]).min()))
+        pushed += np.linalg.norm(camera.dodge) > 1.0
+        if before is not None:
+            assert np.linalg.norm(pose.eye - before) < 9.0  # no cut
+        before = pose.eye
+    assert pushed > 8  # fishes were in its place
+    assert least > 0.25  # half the height of a body and the near plane

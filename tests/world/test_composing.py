@@ -109,6 +109,8 @@ def test_a_single_coral_stands_where_it_is_put_on_sand_and_on_stone(bay):
          "height_cm = 50.0", "length_cm"),
         ("[[ridge]]\nposition_cm = [9000.0, 0.0]\nlength_cm = 200.0\nwidth_cm = 60.0\n"
          "height_cm = 50.0", r"ridge\[0\].position_cm"),
+        ("[[wreck]]\nposition_cm = [0.0, 0.0]\nlength_cm = 50.0", "length_cm"),
+        ("[[wreck]]\nposition_cm = [9000.0, 0.0]", r"wreck\[0\].position_cm"),
     ],
 )  # fmt: skip
 def test_errors_are_one_line(tmp_path, text, words):
