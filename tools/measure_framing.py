@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from subsea.base.arrays import Array
 from subsea.base.system import resource_names
@@ -27,7 +27,7 @@ from subsea.world.world import TICK_S
 
 SIZE = 256, 144
 LEAST = 1.0 / 20.0  # share of the picture of a subject's box
-BESIDE = 0.6  # of the mean size of two fishes: the gap within which they belong together
+BESIDE = 1.5  # of the size of the smaller of two fishes: the gap within which they are a group
 FIRST_S = 6.0  # before it the submarine is on its way to its first subject
 LEAST_PX = 8  # smaller fishes are specks
 ACROSS = 6  # pictures in a row of a sheet
@@ -57,34 +57,36 @@ def groups_of(boxes: Array) -> Array:
     for i, one in enumerate(boxes):
         for j, other in enumerate(boxes[:i]):
             gap = max(*(np.maximum(one[:2], other[:2]) - np.minimum(one[2:], other[2:])))
-            if gap < BESIDE * (sizes[i] + sizes[j]) / 2:
+            if gap < BESIDE * min(sizes[i], sizes[j]):
                 group[group == group[i]] = group[j]
     each = [boxes[group == k] for k in np.unique(group)]
     whole = [(*own[:, :2].min(axis=0), *own[:, 2:].max(axis=0)) for own in each]
     return np.array(whole, np.float64).reshape(-1, 4)
 
 
-def has_subject(maps: IdMaps) -> bool:
-    """True if a fish or a group of fishes is uncut and at least `LEAST` of the picture."""
+def subject_of(maps: IdMaps) -> Array | None:
+    """The largest box (4,) of an uncut fish or group of at least `LEAST` of the picture, if any."""
     high, wide = maps.kind.shape
     alone = boxes_of(maps)
     boxes = np.concatenate([alone, groups_of(alone)])
     share = (boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]) / (wide * high)
     whole = (boxes[:, :2] > 0).all(axis=1) & (boxes[:, 2] < wide) & (boxes[:, 3] < high)
-    return bool((whole & (share >= LEAST)).any())
+    share = np.where(whole, share, 0.0)
+    return boxes[share.argmax()] if share.max(initial=0.0) >= LEAST else None
 
 
 def measured(
-    scenario: str, tour: str, seconds: float, every_s: float, pictures: list[Image.Image]
-) -> tuple[list[bool], float]:
+    scenario: str, tour: str, seed: int | None, seconds: float, every_s: float,
+    pictures: list[Image.Image],
+) -> tuple[list[bool], float]:  # fmt: skip
     """Play a tour; return whether each frame has a subject, and the fastest turn, rad/s.
 
-    Adds each frame to `pictures`.
+    Adds each frame to `pictures`, with a frame about its subject.
     """
     quality = PRESETS["low"]
     framed: list[bool] = []
     fastest = 0.0
-    world = start_world(scenario)
+    world = start_world(scenario, seed)
     with headless() as context:
         steer = endless_tour(world, tour)
         with picture_maker(context, world, display_rig("mono", SIZE), quality) as renderer:
@@ -96,9 +98,11 @@ def measured(
                     packet = pack(world, views_for("mono", SIZE, eye), 1.0, quality.packing)
                     renderer.draw(packet)
                     pictures.append(Image.fromarray(renderer.read_pixels()))
-                    framed.append(has_subject(renderer.id_maps(packet)))
-                    if not framed[-1]:
-                        pictures[-1].paste((255, 0, 0), (0, 0, 8, 8))
+                    subject = subject_of(renderer.id_maps(packet))
+                    framed.append(subject is not None)
+                    if subject is not None:
+                        box = tuple(subject.astype(int).tolist())
+                        ImageDraw.Draw(pictures[-1]).rectangle(box, outline=(255, 255, 0))
     return framed, fastest
 
 
@@ -125,19 +129,27 @@ def main() -> None:
     """Measure what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
-    parser.add_argument("--tour", help="measure this tour alone")
+    parser.add_argument("--tour", help=f"measure this tour alone, such as {AUTOPILOT}")
+    parser.add_argument("--seeds", type=int, nargs="+", help="of the world; default: its own")
     parser.add_argument("--seconds", type=float, default=60.0, help="of each tour")
     parser.add_argument("--every", type=float, default=2.0, help="seconds between frames")
     parser.add_argument("--sheets", type=Path, help="folder for a sheet of frames of each tour")
     arguments = parser.parse_args()
-    for name, tour in chosen(arguments.scenarios, arguments.tour):
-        pictures: list[Image.Image] = []
-        framed, fastest = measured(name, tour, arguments.seconds, arguments.every, pictures)
-        share = f"{np.mean(framed):.0%} of {len(framed)} frames"
-        print(f"{name} {tour}: {share}, turns at most {np.degrees(fastest):.1f}°/s", flush=True)
-        if arguments.sheets:
-            arguments.sheets.mkdir(parents=True, exist_ok=True)
-            sheet_of(pictures).save(arguments.sheets / f"{name}-{tour}.png")
+    tours = list(chosen(arguments.scenarios, arguments.tour))
+    if not tours:
+        parser.error(f"no such tour: {arguments.tour}")
+    for name, tour in tours:
+        for seed in arguments.seeds or [None]:
+            pictures: list[Image.Image] = []
+            framed, fastest = measured(
+                name, tour, seed, arguments.seconds, arguments.every, pictures
+            )
+            title = f"{name} {tour}" if seed is None else f"{name} {tour} {seed}"
+            share = f"{np.mean(framed):.0%} of {len(framed)} frames"
+            print(f"{title}: {share}, turns at most {np.degrees(fastest):.1f}°/s", flush=True)
+            if arguments.sheets:
+                arguments.sheets.mkdir(parents=True, exist_ok=True)
+                sheet_of(pictures).save(arguments.sheets / f"{title.replace(' ', '-')}.png")
 
 
 if __name__ == "__main__":

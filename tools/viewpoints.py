@@ -132,9 +132,10 @@ def main() -> None:
             for _ in range(round(arguments.seconds / TICK_S)):
                 step(world, NEUTRAL)
             for preset in arguments.quality:
-                eyes = around(world, arguments.around) if arguments.around else viewpoints(world)
+                outward = arguments.around is not None
+                eyes = around(world, arguments.around) if outward else viewpoints(world)
                 pictures, shares = draw(context, world, size, preset, eyes, arguments.only)
-                if arguments.around:
+                if outward:
                     contrast, things = np.mean(shares, axis=0)
                     print(f"{name}: contrast {contrast:.1%}, things {things:.1%} of pixels")
                 stem = name if len(arguments.quality) == 1 else f"{name}-{preset}"

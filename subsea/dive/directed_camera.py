@@ -13,17 +13,13 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError, unknown
 from subsea.directing.director import latest
+from subsea.dive.camera_way import beside, clear, nearer
 from subsea.dive.captions import shown_s
-from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, hidden, steer_along
+from subsea.dive.tour import Steer, Tour, steer_along
 from subsea.geometry.rotation import matrix
-from subsea.geometry.solids import height_at
-from subsea.geometry.vector import vector
-from subsea.habitat.contact import clearance, out_of_solids
 from subsea.scenario.directions import Camera, Direction
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
-from subsea.state import HULL_CM, Submarine
 from subsea.submarine.vessel import (
-    ACCELERATION_CM_S2,
     AHEAD_CM_S,
     STATION,
     Course,
@@ -32,7 +28,6 @@ from subsea.submarine.vessel import (
     angles_of,
     board,
     course_of,
-    keep_clear,
     middle_of,
     rail_at,
 )
@@ -40,12 +35,8 @@ from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
 LOOK_S = 6.0  # default time to look from a place
-SHORTEST_S = 1.2  # least time for the rest of a way: smooths the pursuit of fishes
 LEAP_CM = 30.0
 ON_RAILS_CM = 0.5  # a tour nearer than this is followed exactly
-HASTE = 1.6  # peak over mean speed on a way with a smooth start and end
-AROUND = [math.radians(side * turn) for turn in range(0, 181, 20) for side in (1, -1)]
-RISES = (0.0, 0.4, 0.9)  # tangents of the higher views tried around obstacles
 SLOPES = -0.15, 0.35  # least and largest slope of a view from the side
 BEHIND = 0.25  # slope of a view from behind
 
@@ -89,9 +80,9 @@ def endless_tour(world: World, name: str, since_s: float = 0.0) -> Steer:
     autopilot = Tour()
     if name == DIRECTED and is_directed(world.scenario):
         show = directed_steering(world)
-        return lambda world: autopilot.helm(world) if is_over(world) else show(world)
+        return lambda world: autopilot.steer(world) if is_over(world) else show(world)
     if name not in {tour.name for tour in world.scenario.tour}:
-        return autopilot.helm
+        return autopilot.steer
     course = course_of(world.scenario, name)
     first, start = world.state.tick - since_s / TICK_S, rail_at(course, world.state, since_s)
     board(world.state.submarine, start, start)
@@ -99,7 +90,7 @@ def endless_tour(world: World, name: str, since_s: float = 0.0) -> Steer:
     def steer(world: World) -> Helm | Rail:
         t = (world.state.tick + 1 - first) * TICK_S
         over = not course.curve.loop and t > course.seconds
-        return autopilot.helm(world) if over else rail_at(course, world.state, t)
+        return autopilot.steer(world) if over else rail_at(course, world.state, t)
 
     return steer
 
@@ -169,9 +160,9 @@ def _toward(world: World, cue: int, courses: Mapping[str, Course]) -> Rail:
         on = rail_at(courses[camera.tour], world.state, gone_s).position
         if float(np.linalg.norm(on - world.state.submarine.position)) < ON_RAILS_CM:
             return Rail(goal.place, goal.velocity, goal.angles)
-    place, velocity = _clear(world, goal.place), goal.velocity
+    place, velocity = clear(world, goal.place), goal.velocity
     if not cut:
-        place, velocity = _nearer(world, goal, camera.over_s - since * TICK_S)
+        place, velocity = nearer(world, goal.place, goal.velocity, camera.over_s - since * TICK_S)
     angles = goal.angles
     if goal.target is not None:
         angles = angles_of(goal.target - place, world.state)
@@ -206,68 +197,6 @@ def _goal(world: World, cue: int, camera: Camera, courses: Mapping[str, Course])
     else:
         way = boat.position - target
         slope = float(np.clip(way[2] / max(math.hypot(way[0], way[1]), 1.0), *SLOPES))
-    place = _beside(world, target, way, slope, camera.distance_cm)
+    place = beside(world, target, way, slope, camera.distance_cm)
     velocity = fishes.velocity[shown].astype(np.float64).mean(axis=0)
     return CameraGoal(place, velocity, target)
-
-
-def _beside(world: World, target: Array, way: Array, slope: float, far: float) -> Array:
-    """A free place, `far` cm from a target, about in direction `way`; else the submarine's."""
-    sea, bounds = world.state.sea, world.scenario.bounds
-    bearing = math.atan2(way[1], way[0])
-    for rise in RISES:
-        for turn in AROUND:
-            side = np.array([math.cos(bearing + turn), math.sin(bearing + turn), slope + rise])
-            place = target + far / np.linalg.norm(side) * side
-            floor = height_at(sea.floor, sea.half_width, place[0], place[1])
-            place[2] = min(max(place[2], floor + HULL_CM + MARGIN_CM), -HULL_CM)
-            free = clearance(sea.pillars, sea.rocks, vector(place)) > HULL_CM + MARGIN_CM
-            inside = math.hypot(place[0], place[1]) < bounds.radius_cm - HULL_CM
-            if free and inside and not hidden(world, vector(place), vector(target), MARGIN_CM):
-                return place
-    return world.state.submarine.position.copy()
-
-
-def _nearer(world: World, goal: CameraGoal, left_s: float) -> tuple[Array, Array]:
-    """Place and velocity a tick later on a smooth way of at least `left_s` seconds.
-
-    The way is the cubic through both ends with their velocities; it avoids solids.
-    """
-    boat = world.state.submarine
-    place, speed = goal.place, goal.velocity
-    if hidden(world, vector(place), vector(boat.position), HULL_CM):
-        place, speed = _detour(world, place), np.zeros(3)
-    gap = place - boat.position
-    left = max(left_s, HASTE * float(np.linalg.norm(gap)) / AHEAD_CM_S, SHORTEST_S)
-    push = 6.0 * (gap + left * speed) / left**2 - (4.0 * boat.velocity + 2.0 * speed) / left
-    push *= min(1.0, ACCELERATION_CM_S2 / max(float(np.linalg.norm(push)), 1e-9))
-    velocity = boat.velocity + TICK_S * push
-    velocity *= min(1.0, AHEAD_CM_S / max(float(np.linalg.norm(velocity)), 1e-9))
-    later = Submarine(position=boat.position.copy(), velocity=velocity)
-    keep_clear(later.position, later.velocity, world.state.sea)
-    return _clear(world, boat.position + TICK_S * later.velocity), later.velocity
-
-
-def _clear(world: World, place: Array) -> Array:
-    """The nearest place that touches nothing."""
-    half = 0.5 * HULL_CM
-    return np.array(out_of_solids(world.state.sea, vector(place), half, half, half))
-
-
-def _detour(world: World, place: Array) -> Array:
-    """A place on a free way around obstacles between the submarine and a place."""
-    sea, boat = world.state.sea, world.state.submarine
-    ahead = (place - boat.position) / np.linalg.norm(place - boat.position)
-    left = np.array([-ahead[1], ahead[0], 0.0]) / max(math.hypot(ahead[0], ahead[1]), 1e-6)
-    sides = sorted(
-        (np.cross(ahead, left), left, -left), key=lambda side: -round(float(side @ boat.velocity))
-    )
-    for angle in DETOURS:
-        for side in sides:  # the side it moves to comes first
-            tip = boat.position + DETOUR_CM * (math.cos(angle) * ahead + math.sin(angle) * side)
-            floor = height_at(sea.floor, sea.half_width, tip[0], tip[1])
-            free = floor + HULL_CM < tip[2] < -HULL_CM
-            free = free and math.hypot(tip[0], tip[1]) < world.scenario.bounds.radius_cm - HULL_CM
-            if free and not hidden(world, vector(tip), vector(boat.position), HULL_CM):
-                return np.asarray(tip)
-    return place

@@ -7,24 +7,24 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock
-from subsea.geometry.vector import Vector, vector
+from subsea.dive.camera_way import beside, nearer
 from subsea.state import (
     APPROACHING,
     CIRCLING,
     COURTSHIP,
     EAT,
     HOOKED,
-    HULL_CM,
     NOBODY,
     PREDATOR,
     SINKING,
 )
 from subsea.submarine.vessel import (
-    MAX_PITCH,
+    AHEAD_CM_S,
+    GAZE,
     Course,
     Helm,
     Rail,
+    angles_of,
     board,
     hull_axes,
     middle_of,
@@ -36,36 +36,33 @@ from subsea.world.world import TICK_S, World
 HOOK, HUNT, PAIR, FISH, SHOAL = range(5)
 KEEP_S = 4.0  # time to keep looking at an ended subject: it may only be interrupted
 FAITH = 0.5  # factor on the distance of the current hunter or pair, which is preferred
-TURN_S = 2.0  # to change to another subject
 DIPPED_CM = 30.0  # least depth of a hook to look at
-COURT_CM = 350.0  # largest distance of a pair to look at
+COURT_CM, APART_CM = 350.0, 120.0  # largest distance of a pair to look at, and of its members
 HUNT_CM = 900.0  # and of a hunter: farther ones are specks, and outrun the submarine
 # A shoal and a large fish by turns; of fewer fishes than FEW it shows a large one instead.
-SHOAL_S, FISH_S, FEW = 18.0, 22.0, 6
-FISH_CM, LARGE_CM = 900.0, 20.0  # largest distance of a large fish, and least length
+SHOAL_S, FISH_S, FEW = 20.0, 40.0, 6
+FISH_CM, LARGE_CM = 700.0, 26.0  # largest distance of a large fish, and least length
+BEHIND = 1.5  # the larger, the less does it matter where a large fish is in the picture
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
-SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 140.0, 140.0, 62.0, 600.0
-# Framing. A picture is about 1.85 times as wide as its subject is far away.
-GATHERED_CM, SHIFTS = 260.0, 3  # reach of what is seen of a shoal at a time, and steps to find it
-MOST = 0.8  # share of those gathered that must not be cropped
-FILLED = 1.3  # distance of a subject over its width, so that it fills 40% of the picture's width
-PORTRAIT = 1.6  # distance of one fish over its length: from the side a third of the width
-LEAD, LEAD_CM_S = 0.24, 12.0  # room before a moving subject over its distance; a brisk speed
-LOW = (
-    0.05  # how far below a shoal the view aims, over its distance: the sea floor is in the picture
-)
+SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 110.0, 80.0, 56.0, 600.0
+# Framing. A picture is about 1.85 times as wide as its subject is far away, and 1.04 times as high.
+GATHERED, SHIFTS = 0.2, 3  # reach of a shoal over the visibility, and steps to find its middle
+MOST = 0.8  # share of those gathered within its width
+FILLED, FAR = 1.5, 0.45  # distance of a shoal over its width; at most, over the visibility
+PORTRAIT = 1.15  # distance of one fish over its length: from the side half of the width
+TOGETHER = 3.0  # L: farther apart than this, only the first of two fishes is framed
+LEAD, LEAD_CM_S = 0.12, 12.0  # room before a moving shoal over its distance; a brisk speed
+LOW = 0.05  # how far below a shoal the view aims, over its distance: the sea floor is seen
+# The view is from the side that a swimming fish shows, and a little from ahead.
+SIDE, AHEAD = 1.5, 0.5  # weights beside that of the present bearing
+TURN, FREE = 0.4, 0.8  # rad from ahead of it, and more for each distance that it is farther away
+FOLLOWS = 2.0  # 1/s: the aim follows its subject like a mass on a critically damped spring
+GAZE_LAG_S = 2.0 / GAZE  # of the critically damped gaze behind a steady turn
 # Three slow swings with incommensurate periods keep the view moving while the fishes hover.
-NEARER, NEARER_S = 0.15, 31.0
+NEARER, NEARER_S = 0.12, 31.0
 ASIDE_RAD, ASIDE_S = 0.20, 23.0
 ABOVE, ABOVE_S = 0.22, 17.0
-LOOKAHEAD_S = 1.5  # the hull slips: begin to brake early
-MOST_YAW = 0.27  # share of full thrust: it turns at 15° a second at most, as tours do
-TILT_RAD_S, TILT = math.radians(10.0), 0.5  # change of the pitch asked for, and its largest share
-
-MARGIN_CM = 10.0  # added to pillars and rocks when they hide something
-DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn, to get around an obstacle
-DETOUR_CM, DETOUR_SURGE = 300.0, 0.3
 
 
 Steer = Callable[[World], Helm | Rail]  # called once a tick; returns the command to the submarine
@@ -74,7 +71,7 @@ Steer = Callable[[World], Helm | Rail]  # called once a tick; returns the comman
 def steer_along(world: World, course: Course | None) -> Steer:
     """Put the submarine on a course at once and steer along it; None: the autopilot."""
     if course is None:
-        return Tour().helm
+        return Tour().steer
     tick = world.state.tick
     board(
         world.state.submarine,
@@ -98,31 +95,32 @@ class Subject(NamedTuple):
 class Tour:
     """The autopilot. It depends on the world alone: the same dive has the same tour.
 
-    It faces and follows its subject, with slow changes of distance, bearing and height, and gets
-    around obstacles. Without fishes it cruises.
+    It accompanies its subject at its side, with slow changes of distance, bearing and height, and
+    gets around obstacles. Without fishes it cruises.
     """
 
     def __init__(self) -> None:
         self.subject: Subject | None = None
         self.aim = np.zeros(4)  # cm: the place to look at, and its distance
         self._seen = 0.0  # s, world time, when the subject was last seen
-        self._changed = 0.0  # s, when the subject last changed
-        self._offset = np.zeros(4)  # from the subject to the aim, at that moment
-        self._side = 0.0  # on which it passes an obstacle: 1 left, -1 right
-        self._pitch = 0.0  # the last command
+        self._rate = np.zeros(4)  # cm/s, of the aim
 
-    def helm(self, world: World) -> Helm:
+    def steer(self, world: World) -> Helm | Rail:
         """The command for this tick; call once a tick."""
         now = world.state.tick * TICK_S
         subject = self._choose(world, now)
         if subject is None:
             return Helm(surge=0.3, yaw=0.1)
-        aim = _aim(world, subject)
-        if subject != self.subject:
-            self._offset = self.aim - aim if self.subject else np.zeros(4)
-            self.subject, self._changed = subject, now
-        self.aim = aim + _faded((now - self._changed) / TURN_S) * self._offset
-        return self._steer(world, now)
+        aim, going = _aim(world, subject)
+        if self.subject is None:
+            self.aim, self._rate = aim, np.array([*going, 0.0])
+        self.subject = subject
+        pull = FOLLOWS**2 * (aim - self.aim) + 2.0 * FOLLOWS * (
+            np.array([*going, 0.0]) - self._rate
+        )
+        self._rate += TICK_S * pull
+        self.aim = self.aim + TICK_S * self._rate
+        return self._accompany(world, now)
 
     def _choose(self, world: World, now: float) -> Subject | None:
         """The most interesting subject; or the current one, for a while after its end.
@@ -137,46 +135,34 @@ class Tour:
         self._seen = now
         return found[0] if found else None
 
-    def _steer(self, world: World, now: float) -> Helm:
-        boat = world.state.submarine
-        x, y, z = self.aim[:3] - boat.position
-        level = math.hypot(x, y)
-        wanted = self.aim[3] * (1.0 - NEARER * _swing(now, NEARER_S))
-        wanted = max(wanted, NEAREST_CM)
-        aside = self._detour(world, math.atan2(y, x))
-        ahead = float(boat.velocity @ hull_axes(boat.angles[0], 0.0)[0])
-        surge = _within((level - wanted - LOOKAHEAD_S * ahead) / 130.0, -0.4, 0.6)
-        if aside:
-            surge = max(surge, DETOUR_SURGE)
-        else:
-            aside = ASIDE_RAD * _swing(now, ASIDE_S)
-        bearing = math.remainder(math.atan2(y, x) + aside - boat.angles[0], math.tau)
-        pitch = _within(math.atan2(z, max(level, wanted)) / MAX_PITCH, -TILT, TILT)
-        most = TILT_RAD_S / MAX_PITCH * TICK_S
-        self._pitch += _within(pitch - self._pitch, -most, most)
-        above = ABOVE * self.aim[3] * _swing(now, ABOVE_S)
-        return Helm(
-            surge=surge * math.cos(bearing / 2.0),
-            yaw=_within(0.9 * bearing - 0.5 * boat.rates[0], -MOST_YAW, MOST_YAW),
-            pitch=self._pitch,
-            heave=_within((z + above) / 200.0, -0.4, 0.4),
-        )
+    def _accompany(self, world: World, now: float) -> Rail:
+        """The submarine a tick later, on its way to the side of the subject."""
+        boat, target, going = world.state.submarine, self.aim[:3], self._rate[:3]
+        far = max(self.aim[3] * (1.0 - NEARER * _swing(now, NEARER_S)), NEAREST_CM)
+        away = boat.position - target
+        bearing = _side(away, going) + ASIDE_RAD * _swing(now, ASIDE_S)
+        # It turns slowly: near its subject it moves so that it sees it ahead.
+        most = TURN + FREE * max(float(np.linalg.norm(away)) / far - 1.0, 0.0)
+        back = float(boat.angles[0]) + math.pi
+        bearing = back + _within(math.remainder(bearing - back, math.tau), -most, most)
+        way = np.array([math.cos(bearing), math.sin(bearing), 0.0])
+        place = beside(world, target, way, ABOVE * _swing(now, ABOVE_S), far)
+        going = going * min(1.0, AHEAD_CM_S / max(float(np.linalg.norm(going)), 1e-6))
+        place, velocity = nearer(world, place, going, 0.0)
+        # The gaze lags: look where the subject will be.
+        seen = target - place + GAZE_LAG_S * (going - velocity)
+        return Rail(place, velocity, angles_of(seen, world.state))
 
-    def _detour(self, world: World, bearing: float) -> float:
-        """Angle (rad) to steer left of the subject to see it again; 0 while it is visible."""
-        boat = vector(world.state.submarine.position)
-        if not hidden(world, boat, vector(self.aim[:3]), MARGIN_CM):
-            self._side = 0.0
-            return 0.0
-        for angle in DETOURS:
-            for side in (self._side,) if self._side else (1.0, -1.0):
-                way = bearing + side * angle
-                x, y, z = boat
-                tip = x + DETOUR_CM * math.cos(way), y + DETOUR_CM * math.sin(way), z
-                if not hidden(world, tip, boat, HULL_CM):
-                    self._side = side
-                    return float(side * angle)
-        return float((self._side or 1.0) * DETOURS[-1])
+
+def _side(way: Array, going: Array) -> float:
+    """The bearing (rad) from a subject to a view of its side, near that of `way` (3,)."""
+    away, ahead = way[:2] / max(math.hypot(*way[:2]), 1e-6), going[:2]
+    speed = math.hypot(*ahead)
+    ahead = ahead / max(speed, 1e-6)
+    left = np.array([-ahead[1], ahead[0]])
+    side = SIDE * math.copysign(1.0, left @ away) * left + AHEAD * ahead
+    x, y = away + min(speed / LEAD_CM_S, 1.0) * side
+    return math.atan2(y, x)
 
 
 def _subjects(world: World, present: Subject | None, now: float) -> list[Subject]:
@@ -205,79 +191,85 @@ def _subjects(world: World, present: Subject | None, now: float) -> list[Subject
     found += [Subject(HUNT, (int(i), int(minds.target[i]))) for i in hunters]
     courting = fishes.alive & (away < COURT_CM) & minds.male
     courting &= (minds.courtship > APPROACHING) & (minds.partner >= 0)
+    apart = fishes.position - fishes.position[minds.partner]
+    courting &= np.linalg.norm(apart, axis=1) < APART_CM
     stage = minds.courtship.astype(int)
     if lead != NOBODY and stage[lead] >= CIRCLING:
         stage[lead] = len(COURTSHIP)
-    males = sorted(np.flatnonzero(courting), key=lambda i: (-stage[i], away[i]))
+    males = sorted(np.flatnonzero(courting), key=lambda i: (-stage[i], away[i] / fishes.length[i]))
     found += [Subject(PAIR, (int(i), int(minds.partner[i]))) for i in males]
-    counts = np.bincount(fishes.species[fishes.alive])
+    living = fishes.alive & minds.schools
+    if not living.any():
+        living = fishes.alive
+    counts = np.bincount(fishes.species[living])
     if not len(counts):
         return found
     shoal = Subject(SHOAL, (int(counts.argmax()), int(counts.max())))
-    large = fishes.alive & (away < min(world.scenario.water.visibility_cm, FISH_CM))
-    large &= fishes.length > LARGE_CM
-    if not large.any():
+    few = counts.max() < FEW
+    sight = world.scenario.water.visibility_cm
+    large = fishes.alive & (away < (sight if few else min(sight, FISH_CM)))
+    large &= fishes.length > (0.0 if few else LARGE_CM)
+    if not large.any() or (not few and now % (SHOAL_S + FISH_S) < SHOAL_S):
         return [*found, shoal]
-    # Seen as large as possible, if it is reached soon.
+    # Seen as large as possible, if it is reached and in the picture soon.
+    boat = world.state.submarine
+    gaze = (fishes.position - boat.position) @ hull_axes(*boat.angles)[0]
     size = np.where(large, fishes.length / np.maximum(away, 3.0 * NEAREST_CM), 0.0)
-    one = Subject(FISH, (int(size.argmax()),))
-    if counts.max() < FEW or now % (SHOAL_S + FISH_S) >= SHOAL_S:
-        return [*found, one]
-    return [*found, shoal]
+    size *= BEHIND + gaze / np.maximum(away, 1.0)
+    return [*found, Subject(FISH, (int(size.argmax()),))]
 
 
-def _aim(world: World, subject: Subject) -> Array:
-    """The place of a subject and the distance to look from: (4,), cm."""
+def _aim(world: World, subject: Subject) -> tuple[Array, Array]:
+    """The place of a subject with the distance to look from (4,), cm, and its velocity (3,)."""
     fishes = world.state.fishes
     if subject.kind == HOOK:
-        return np.array([*world.state.sea.hook, HOOK_CM])
+        return np.array([*world.state.sea.hook, HOOK_CM]), np.zeros(3)
     if subject.kind == SHOAL:
         shoal = fishes.species == subject.members[0]
         living = shoal & fishes.alive
+        if (living & world.state.minds.schools).any():
+            living &= world.state.minds.schools
         return _gathered(world, np.flatnonzero(living if living.any() else shoal))
     members = list(subject.members)
-    if subject.kind == FISH:
-        far = _within(PORTRAIT * float(fishes.length[members[0]]), NEAREST_CM, FARTHEST_CM)
-        return np.array([*fishes.position[members[0]].astype(np.float64), far])
-    one, other = fishes.position[members].astype(np.float64)
-    apart, longest = float(np.linalg.norm(one - other)), float(fishes.length[members].max())
-    distance = PORTRAIT * longest + 0.5 * apart
-    return np.array([*(one + other) / 2.0, _within(distance, NEAREST_CM, FARTHEST_CM)])
+    places = fishes.position[members].astype(np.float64)
+    going = _moved(world, np.array(members))
+    longest = float(fishes.length[members].max())
+    reach = 0.5 * (places[-1] - places[0])  # none of a single fish
+    share = _faded(4.0 * float(np.linalg.norm(reach)) / (TOGETHER * longest) - 1.0)
+    far = PORTRAIT * longest + share * float(np.linalg.norm(reach))
+    middle, velocity = places[0] + share * reach, going[0] + 0.5 * share * (going[-1] - going[0])
+    return np.array([*middle, _within(far, NEAREST_CM, FARTHEST_CM)]), velocity
 
 
-def _gathered(world: World, shoal: Ints) -> Array:
-    """The place to look at, and the distance, for the part of a shoal that is gathered nearby.
+def _moved(world: World, who: Ints) -> Array:
+    """Velocities (n, 3) in the last tick, cm/s; a fish that grazes pushes against the ground."""
+    fishes = world.state.fishes
+    way = fishes.position[who].astype(np.float64) - fishes.previous_position[who]
+    return np.asarray(way / TICK_S)
+
+
+def _gathered(world: World, shoal: Ints) -> tuple[Array, Array]:
+    """The place of the part of a shoal that is gathered nearby, with the distance; its velocity.
 
     Fishes that swim on are at a third of the picture, with room before them.
     """
     fishes, eye = world.state.fishes, world.state.submarine.position
+    sight = world.scenario.water.visibility_cm
     there = fishes.position[shoal].astype(np.float64)
     middle = middle_of(there, eye)
     for _ in range(SHIFTS):
         away = np.linalg.norm(there - middle, axis=1)
-        near = away <= max(GATHERED_CM, float(away.min()))
+        near = away <= max(GATHERED * sight, float(away.min()))
         middle = there[near].mean(axis=0)
     wide = 2.0 * float(np.quantile(np.linalg.norm(there[near] - middle, axis=1), MOST))
     length = float(fishes.length[shoal[near]].max())
-    distance = _within(FILLED * (wide + length), SHOAL_CM, FARTHEST_CM)
-    going = fishes.velocity[shoal[near]].mean(axis=0).astype(np.float64)
+    distance = _within(FILLED * (wide + length), SHOAL_CM, max(FAR * sight, SHOAL_CM))
+    going = _moved(world, shoal[near]).mean(axis=0)
     lead = LEAD * distance * going / max(float(np.linalg.norm(going)), LEAD_CM_S)
-    sight = (middle - eye) / max(float(np.linalg.norm(middle - eye)), 1e-6)
-    lead -= (lead @ sight) * sight  # across the picture
-    return np.array([*(middle + lead * (1.0, 1.0, 0.3)), distance]) - (
-        0.0,
-        0.0,
-        LOW * distance,
-        0.0,
-    )
-
-
-def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
-    """True if a pillar or rock lies between a and b, except one that contains b."""
-    sea = world.state.sea
-    return any(0.0 < ray_meets_pillar(row, margin, b, a) <= 1.0 for row in sea.pillars) or any(
-        0.0 < ray_meets_rock(row, margin, b, a) <= 1.0 for row in sea.rocks
-    )
+    ahead = (middle - eye) / max(float(np.linalg.norm(middle - eye)), 1e-6)
+    lead -= (lead @ ahead) * ahead  # across the picture
+    x, y, z = middle + lead * (1.0, 1.0, 0.3)
+    return np.array([x, y, z - LOW * distance, distance]), going
 
 
 def _faded(share: float) -> float:

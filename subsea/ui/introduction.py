@@ -10,9 +10,9 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.base.language import marked, translated
+from subsea.dive.camera_way import hidden
 from subsea.dive.captions import Caption, faded
 from subsea.dive.settings import ControlName, key_words
-from subsea.dive.tour import hidden
 from subsea.submarine.vessel import CLEARANCE_CM, Rail, gaps_at, hull_axes
 from subsea.ui.gui import GLASS, INK, MARK, colour, ground, stroke
 from subsea.world.world import TICK_S, World

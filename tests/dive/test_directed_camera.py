@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
+from subsea.dive.camera_way import hidden
 from subsea.dive.directed_camera import check_tour, directed_steering, is_cut, is_over
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
-from subsea.dive.tour import hidden
 from subsea.geometry.rotation import matrix
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector

@@ -5,12 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from subsea.dive.camera_way import hidden
 from subsea.dive.pilot import Pilot
 from subsea.dive.start import start_world
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import (
     FISH,
     FISH_S,
+    FOLLOWS,
     HOOK,
     HUNT,
     KEEP_S,
@@ -19,18 +21,38 @@ from subsea.dive.tour import (
     PORTRAIT,
     SHOAL,
     SHOAL_S,
-    TURN_S,
     Subject,
     Tour,
     steer_along,
 )  # fmt: skip
+from subsea.geometry.vector import vector
 from subsea.scenario.load import load_scenario
-from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR
-from subsea.submarine.vessel import TURN_RAD_S, course_of, rail_at, step_hull
+from subsea.state import (
+    CIRCLING,
+    EAT,
+    HANGING,
+    HOOKED,
+    HULL_CM,
+    LANDED,
+    LOOPING,
+    NOBODY,
+    PREDATOR,
+)
+from subsea.submarine.vessel import (
+    ACCELERATION_CM_S2,
+    AHEAD_CM_S,
+    TURN_RAD_S,
+    course_of,
+    hull_axes,
+    rail_at,
+    ride,
+)
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step
 from subsea.world.world import TICK_S
+
+HARD_CM_S = ACCELERATION_CM_S2 * TICK_S  # greatest change of the velocity in a tick
 
 
 @pytest.fixture
@@ -71,8 +93,9 @@ def hook(world, place, state, catch=NOBODY):
 def ask(world, tour, seconds=0.0):
     """Run the tour in a frozen sea; return its aims (ticks, 4)."""
     aims = []
+    world.state.fishes.previous_position[:] = world.state.fishes.position
     for _ in range(max(round(seconds / TICK_S), 1)):
-        tour.helm(world)
+        tour.steer(world)
         aims.append(tour.aim.copy())
         world.state.tick += 1
     return np.array(aims)
@@ -114,15 +137,19 @@ def test_the_autopilot_follows_the_most_advanced_pair_to_its_end(world):
     assert tour.subject.members == (0, 1)
 
 
-def test_the_autopilot_frames_hunter_and_prey(world):
+def test_the_autopilot_frames_hunter_and_prey_and_the_hunter_while_they_are_far_apart(world):
     fishes = world.state.fishes
+    fishes.length[[2, 3]] = 100.0, 15.0
     hunt(world, 2, 3)
     tour = Tour()
     fishes.position[3] = fishes.position[2] + np.float32([90.0, 0.0, 20.0])
     near = ask(world, tour)[-1]
     np.testing.assert_allclose(near[:3], fishes.position[[2, 3]].mean(axis=0), atol=1e-3)
+    assert near[3] > PORTRAIT * 100.0
     fishes.position[3, 0] += 250.0
-    assert ask(world, tour)[-1][3] > near[3] >= NEAREST_CM
+    far = ask(world, tour, 8.0)[-1]
+    np.testing.assert_allclose(far[:3], fishes.position[2], atol=0.1)
+    assert far[3] == pytest.approx(PORTRAIT * 100.0, abs=0.1)
 
 
 def test_the_autopilot_looks_at_a_shoal_and_a_large_fish_by_turns(world):
@@ -130,7 +157,7 @@ def test_the_autopilot_looks_at_a_shoal_and_a_large_fish_by_turns(world):
     fishes.length[:] = 12.0
     fishes.length[7] = 100.0
     for _ in range(round((2 * SHOAL_S + 2 * FISH_S) / TICK_S)):
-        tour.helm(world)
+        tour.steer(world)
         kinds.append(tour.subject.kind)
         if tour.subject.kind == FISH:
             assert tour.subject.members == (7,)
@@ -152,22 +179,52 @@ def test_few_fishes_are_no_shoal_beside_a_large_one(world):
     assert tour.subject == Subject(FISH, (1,))
 
 
+def sail(world, tour, seconds):
+    """Let the submarine follow its tour in a frozen sea; return its poses and rates (ticks, 8)."""
+    boat, log = world.state.submarine, []
+    for _ in range(round(seconds / TICK_S)):
+        ride(boat, tour.steer(world), TICK_S)
+        world.state.tick += 1
+        log.append((*boat.position, *boat.velocity, *boat.rates))
+    return np.array(log)
+
+
 @pytest.mark.parametrize("bearing", [0.5, 2.0, 3.1])
-def test_the_autopilot_turns_and_tilts_no_faster_than_a_tour(world, bearing):
+def test_the_autopilot_turns_and_moves_no_faster_than_a_tour(world, bearing):
     boat, tour = world.state.submarine, Tour()
     boat.angles[:] = 0.0
     way = np.array([math.cos(bearing), math.sin(bearing), 0.9])
     hook(world, boat.position + 300.0 * way, HANGING)
     world.state.sea.hook[2] = -60.0
-    fastest = np.zeros(2)
-    for _ in range(660):
-        step_hull(boat, tour.helm(world), TICK_S, world.state.sea)
-        world.state.tick += 1
-        fastest = np.maximum(fastest, np.abs(boat.rates))
-    assert 0.05 < fastest[0] < 1.02 * TURN_RAD_S
-    assert fastest[1] < 1.02 * TURN_RAD_S
+    log = sail(world, tour, 22.0)
+    assert 0.05 < np.abs(log[:, 6:]).max() <= TURN_RAD_S
+    assert np.linalg.norm(log[:, 3:6], axis=1).max() <= AHEAD_CM_S + 1e-6
+    assert np.linalg.norm(np.diff(log[:, 3:6], axis=0), axis=1).max() < 1.1 * HARD_CM_S
     x, y, _ = world.state.sea.hook - boat.position
-    assert abs(math.remainder(math.atan2(y, x) - boat.angles[0], math.tau)) < 0.45
+    assert abs(math.remainder(math.atan2(y, x) - boat.angles[0], math.tau)) < 0.1
+
+
+@pytest.mark.parametrize("heading", [0.3, 2.2])
+def test_it_swims_along_at_the_side_of_a_fish(world, heading):
+    fishes, boat, tour = world.state.fishes, world.state.submarine, Tour()
+    fishes.alive[:] = False
+    fishes.alive[1], fishes.length[1] = True, 80.0
+    ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+    fishes.position[1] = (0.0, 0.0, -250.0) - 400.0 * ahead
+    boat.position[:] = -200.0 * ahead + (0.0, 0.0, -250.0)
+    seen = []
+    for k in range(round(16.0 / TICK_S)):
+        fishes.previous_position[1] = fishes.position[1]
+        fishes.position[1] = (0.0, 0.0, -250.0) + (50.0 * k * TICK_S - 400.0) * ahead
+        sail(world, tour, TICK_S)
+        way = fishes.position[1] - boat.position
+        gaze = hull_axes(*boat.angles)[0]
+        seen.append((np.linalg.norm(way), way @ gaze, abs(gaze @ ahead)))
+    away, along, head_on = np.array(seen)[-200:].T
+    assert (away > NEAREST_CM).all()
+    assert np.abs(away / (PORTRAIT * 80.0) - 1.0).max() < 0.35
+    assert (along / away > math.cos(0.2)).all()  # in the middle of the picture
+    assert (head_on < 0.6).all()  # from the side
 
 
 def test_the_aim_glides_from_one_subject_to_the_next(world):
@@ -175,27 +232,28 @@ def test_the_aim_glides_from_one_subject_to_the_next(world):
     start = ask(world, tour)[-1]
     place = start[:3] + (400.0, 100.0, 50.0)
     hook(world, place, HANGING)
-    aims = np.vstack([start, ask(world, tour, TURN_S + 0.2)])
-    steps = np.linalg.norm(np.diff(aims[:, :3], axis=0), axis=1)
-    # Linear motion has the speed `way / TURN_S`; a smooth start and end peaks at 1.5 times that.
+    aims = np.vstack([start, ask(world, tour, 5.0)])
     way = np.linalg.norm(place - start[:3])
-    assert steps.max() < 1.6 * way * TICK_S / TURN_S
-    assert steps[0] < 0.1 * steps.max()
-    np.testing.assert_allclose(aims[-1, :3], place)
+    steps = np.linalg.norm(np.diff(aims[:, :3], axis=0), axis=1)
+    # A critically damped spring is fastest after a while, at `FOLLOWS / e` ways a second.
+    assert steps.max() == pytest.approx(way * TICK_S * FOLLOWS / math.e, rel=0.1)
+    assert steps[0] < 0.25 * steps.max()
+    assert np.linalg.norm(aims[-1, :3] - place) < 0.01 * way
 
 
 def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
     boat, tour = world.state.submarine, Tour()
-    hook(world, boat.position + (600.0, 0.0, 0.0), HANGING)
+    start = boat.position.copy()
+    hook(world, start + (600.0, 0.0, 0.0), HANGING)
     boat.angles[:] = 0.0
-    free = tour.helm(world)
-    x, y, _ = boat.position
-    world.state.sea = world.state.sea._replace(pillars=np.array([[x + 250.0, y - 10.0, 40.0, 0.0]]))
-    hidden = tour.helm(world)
-    assert hidden.yaw > free.yaw + 0.1  # left, where less of the pillar stands
-    assert hidden.surge > 0.0
-    world.state.sea = world.state.sea._replace(pillars=np.array([[x - 250.0, y, 40.0, 0.0]]))
-    assert tour.helm(world) == free
+    x, y, _ = start
+    pillar = np.array([[x + 250.0, y - 10.0, 40.0, 0.0]])
+    world.state.sea = world.state.sea._replace(pillars=pillar)
+    path = sail(world, tour, 20.0)
+    assert np.hypot(*(path[:, :2] - pillar[0, :2]).T).min() > pillar[0, 2] + 0.5 * HULL_CM
+    there = boat.position.copy()
+    assert not hidden(world, vector(there), vector(world.state.sea.hook), 0.0)
+    assert np.linalg.norm(there - world.state.sea.hook) < 250.0
 
 
 def test_the_autopilot_approaches_the_largest_shoal(pytestconfig):
@@ -207,7 +265,7 @@ def test_the_autopilot_approaches_the_largest_shoal(pytestconfig):
         largest = np.bincount(world.state.fishes.species).argmax()
         before = len(seen)
         for tick in range(ticks):
-            step(world, tour.helm(world))
+            step(world, tour.steer(world))
             if tick > 300 and tour.subject.kind == SHOAL:
                 boat, fishes = world.state.submarine, world.state.fishes
                 middle = np.median(fishes.position[fishes.species == largest], axis=0)
@@ -224,7 +282,7 @@ def test_equal_seeds_give_equal_tours():
     for _ in range(2):
         world, tour = start_world("peaceful", seed=5, fish=10), Tour()
         for _ in range(30):
-            step(world, tour.helm(world))
+            step(world, tour.steer(world))
         digests.append(checksum(world))
     assert digests[0] == digests[1]
 

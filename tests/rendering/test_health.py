@@ -76,7 +76,7 @@ def test_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     memory, settled = empty_lod_state(len(world.state.fishes.species)), None
     for k in range(96):
         if k % 5 == 0:
-            step(world, tour.helm(world))
+            step(world, tour.steer(world))
         if k % 20 == 19:
             renderer.arrange(display_rig("mono", SIZES[k // 20 % len(SIZES)]))
         if k % 4 == 0:

@@ -66,7 +66,7 @@ def test_a_frame_takes_few_drawing_calls(context, request, sea, species):
     renderer = Renderer(context, make_scene(world), display_rig("mono", (96, 54)))
     kinds, most = set(), 0
     for k in range(15):
-        step(world, tour.helm(world))
+        step(world, tour.steer(world))
         if k % 5 == 0:
             renderer.adapt(list(PRESETS.values())[k // 5])
             packet = pack(world, sights(world, size=(96, 54)), 1.0)
