@@ -82,7 +82,7 @@ def test_a_ray_picks_the_first_thing(full):
     those = handles(scenario, sea)
     assert sorted(one.kind for one in those) == sorted(placement.KINDS)
     for handle in those:
-        eye, way = before(handle, 420.0 if handle.kind == "arch" else 250.0)
+        eye, way = before(handle, {"arch": 420.0, "ridge": 90.0}.get(handle.kind, 250.0))
         assert pick(those, sea, eye, way) is handle, handle.kind
         assert pick(those, sea, eye, -way + (0.0, 0.0, 1.0)) is None
         # From below the seabed is before it.
