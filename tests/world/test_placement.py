@@ -52,7 +52,9 @@ def plain():
     kinds = [kind for kind in placement.KINDS if kind not in ("fish", "submarine")]
     for k, kind in enumerate(kinds):
         turn = 2.0 * np.pi * k / len(kinds)
-        scenario = added(scenario, kind, (700.0 * np.cos(turn), 700.0 * np.sin(turn), -200.0), sea)
+        scenario = added(
+            scenario, kind, (1200.0 * np.cos(turn), 1200.0 * np.sin(turn), -200.0), sea
+        )
     return scenario
 
 
@@ -82,7 +84,7 @@ def test_a_ray_picks_the_first_thing(full):
     those = handles(scenario, sea)
     assert sorted(one.kind for one in those) == sorted(placement.KINDS)
     for handle in those:
-        eye, way = before(handle, {"arch": 420.0, "ridge": 90.0}.get(handle.kind, 250.0))
+        eye, way = before(handle, {"arch": 420.0, "wreck": 420.0}.get(handle.kind, 250.0))
         assert pick(those, sea, eye, way) is handle, handle.kind
         assert pick(those, sea, eye, -way + (0.0, 0.0, 1.0)) is None
         # From below the seabed is before it.
@@ -91,14 +93,14 @@ def test_a_ray_picks_the_first_thing(full):
         assert pick(those, sea, low, toward(low, handle.body[0, :3])) is None
         assert np.isfinite(handle.outline).all()
         near = np.abs(handle.outline[:, :, :2] - np.array(handle.place[:2])).max()
-        assert 10.0 < near < 400.0
+        assert 10.0 < near < 600.0
 
 
 def test_the_nearer_of_two_things_in_a_line_is_picked(full):
     scenario, sea = full
     rock = next(one for one in handles(scenario, sea) if one.kind == "rock")
     eye, way = before(rock)
-    between = 0.5 * (eye + rock.body[0, :3])
+    between = 0.3 * eye + 0.7 * rock.body[0, :3]
     other = added(scenario, "rock", tuple(between), sea)
     those = handles(other, sea)
     assert pick(those, sea, eye, way).number == 1
