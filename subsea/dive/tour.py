@@ -101,9 +101,9 @@ class Tour:
 
     def __init__(self) -> None:
         self.subject: Subject | None = None
-        self.aim = np.zeros(4)  # cm: the place to look at, and its distance
+        self.aim: Array = np.zeros(4)  # cm: the place to look at, and its distance
         self._seen = 0.0  # s, world time, when the subject was last seen
-        self._rate = np.zeros(4)  # cm/s, of the aim
+        self._rate: Array = np.zeros(4)  # cm/s, of the aim
 
     def steer(self, world: World) -> Helm | Rail:
         """The command for this tick; call once a tick."""
