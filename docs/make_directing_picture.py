@@ -12,7 +12,7 @@ from picture_files import output_folder, save
 from PIL import Image
 
 CELL = (400, 225)  # pixels of one moment
-MOMENTS_S = (3, 10, 20, 27, 31, 33, 34, 42, 50)
+MOMENTS_S = (0, 6, 11, 14, 16, 19, 22, 26, 31)
 SEED = 1
 
 

@@ -111,7 +111,7 @@ def hook() -> Image.Image:
 
     return strip("go-fish", HOOK_SEED, {
         bitten - 6: near(-40.0, -50.0, 4.0), bitten + 14: near(-24.0, -30.0, 2.0),
-        bitten + 90: near(-26.0, -32.0, -2.0), bitten + 160: near(-28.0, -35.0, -14.0),
+        bitten + 90: near(-26.0, -32.0, -2.0), bitten + 135: near(-28.0, -35.0, -14.0),
     }, 2)  # fmt: skip
 
 

@@ -1,10 +1,11 @@
-"""Make film strips of four manoeuvres: `python docs/make_manoeuvre_pictures.py [FOLDER]`.
+"""Make film strips of what fishes do: `python docs/make_manoeuvre_pictures.py [FOLDER]`.
 
 manoeuvres.jpg: a C-start from below, a strike from the side, a wrasse that rows, a ray that banks.
+life.jpg: grazing, cleaning, a display, the rush of spawning, a clownfish in its anemone, and night.
 The camera stands still in the C-start and keeps beside the fish in the others.
 """
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -14,14 +15,15 @@ from picture_files import output_folder, save
 from PIL import Image, ImageDraw
 
 import subsea
+from subsea.behavior.table import INTENTIONS
 from subsea.geometry.rotation import matrix
 from subsea.motor.playback import CSTARTS, ROW
+from subsea.state import SPAWNING
 from subsea.world.world import TICK_S
 
 Array = NDArray[np.floating[Any]]
 
 CELL = (200, 150)  # pixels of one picture
-FRAMES = 8
 LIMIT_S = 240.0
 CAPTION = 16  # pixels
 OPEN_CM, APART_CM = 12.0, 60.0  # around a fish, without another, and without a shark
@@ -38,11 +40,19 @@ class Strip(NamedTuple):
     every: int  # ticks from picture to picture
     place: tuple[float, float, float]  # of the camera: ahead, left and up of the fish, lengths
     follows: bool
+    hour: float | None = None  # instead of the scenario's
 
 
 def main() -> None:
-    """Write the plate."""
-    strips = [
+    """Write the plates."""
+    folder = output_folder()
+    save(plate(manoeuvres(), 8), folder / "manoeuvres.jpg")
+    save(plate(life(), 6), folder / "life.jpg")
+
+
+def manoeuvres() -> list[Strip]:
+    """Strips of how fishes move."""
+    return [
         Strip("C-start of a fusilier, from below", "preying", 5, _starts, 1, 1,
               (-0.1, 0.0, -2.4), False),
         Strip("Strike of a blacktip reef shark", "visitors", 1, _strikes, 24, 4,
@@ -52,21 +62,44 @@ def main() -> None:
         Strip("A spotted eagle ray banks into a turn", "visitors", 1, _banks, 40, 10,
               (-0.9, 0.0, 0.3), True),
     ]  # fmt: skip
+
+
+def life() -> list[Strip]:
+    """Strips of what fishes do on stone and with each other."""
+    return [
+        Strip("A blue tang grazes", "peaceful", 1, _does("graze", "Blue tang", 1.0), 0, 12,
+              (0.6, 1.3, 0.4), True),
+        Strip("A cleaner and its client", "visitors", 1, _cleans, 0, 12,
+              (0.5, 5.0, 1.0), True),
+        Strip("A display before a bite", "peaceful", 2, _does("guard", None, 0.6), 0, 12,
+              (-1.5, 2.5, 0.9), True),
+        Strip("The rush of spawning", "mating", 1, _spawns, 0, 6,
+              (-0.5, 3.4, 0.3), True),
+        Strip("A clownfish bathes in its anemone", "peaceful", 1, _does("bathe", None, 8.0), 0, 16,
+              (0.4, 3.2, 1.2), True),
+        Strip("In a shelter at night", "peaceful", 1, _does("shelter", None, 20.0), 0, 30,
+              (1.0, 2.6, 0.6), False, 20.5),
+    ]  # fmt: skip
+
+
+def plate(strips: list[Strip], frames: int) -> Image.Image:
+    """Draw strips of `frames` pictures below each other, with captions."""
     wide, high = CELL
-    plate = Image.new("RGB", (wide * FRAMES, (high + CAPTION) * len(strips)), "white")
-    draw = ImageDraw.Draw(plate)
+    sheet = Image.new("RGB", (wide * frames, (high + CAPTION) * len(strips)), "white")
+    draw = ImageDraw.Draw(sheet)
     for k, strip in enumerate(strips):
         top = k * (high + CAPTION)
         rate = f"a picture every {1000 * strip.every * TICK_S:.0f} ms"
         draw.text((4, top + 2), f"{strip.title}; {rate}", fill="black")
-        for n, picture in enumerate(pictures(strip)):
-            plate.paste(picture, (n * wide, top + CAPTION))
-    save(plate, output_folder() / "manoeuvres.jpg")
+        for n, picture in enumerate(pictures(strip, frames)):
+            sheet.paste(picture, (n * wide, top + CAPTION))
+    return sheet
 
 
-def pictures(strip: Strip) -> list[Image.Image]:
+def pictures(strip: Strip, frames: int) -> list[Image.Image]:
     """The pictures of a strip, from shortly before the manoeuvre begins."""
-    world = subsea.load(strip.scenario, seed=strip.seed)
+    changes = {} if strip.hour is None else {"water.hour": strip.hour}
+    world = subsea.load(strip.scenario, seed=strip.seed, changes=changes)
     past: deque[bytes] = deque(maxlen=strip.before + 1)
     while world.time_s < LIMIT_S:
         world.step()
@@ -79,7 +112,7 @@ def pictures(strip: Strip) -> list[Image.Image]:
     world.restore(past[0])
     found: list[Image.Image] = []
     camera = None
-    for _ in range(FRAMES):
+    for _ in range(frames):
         if strip.follows or camera is None:
             eye = _beside(world, fish, strip.place)
             camera = subsea.camera(eye, world.fishes.position[fish])
@@ -141,6 +174,42 @@ def _banks(world: subsea.World) -> int | None:
     axes = matrix(world.fishes.orientation.astype(np.float64))
     lean = np.degrees(np.arcsin(np.clip(np.abs(axes[:, 2, 2]), 0.0, 1.0)))
     return _first(_of(world, "Spotted eagle ray") & (lean > 8.0))
+
+
+def _does(
+    intention: str, species: str | None, seconds: float
+) -> Callable[[subsea.World], int | None]:
+    """Find a fish that has had an intention for some seconds."""
+    code, since = INTENTIONS.index(intention), Counter[int]()
+
+    def begins(world: subsea.World) -> int | None:
+        now = world.minds.intention == code
+        if species is not None:
+            now &= _of(world, species)
+        for fish in np.flatnonzero(~now):
+            since.pop(int(fish), None)
+        since.update(np.flatnonzero(now).tolist())
+        return next((k for k, ticks in since.items() if ticks * TICK_S > seconds), None)
+
+    return begins
+
+
+def _cleans(world: subsea.World) -> int | None:
+    """Find a cleaner at its client."""
+    minds, place = world.minds, world.fishes.position
+    at_work = np.flatnonzero((minds.intention == INTENTIONS.index("clean")) & (minds.client >= 0))
+    for fish in at_work:
+        client = int(minds.client[fish])
+        gap = np.linalg.norm(place[client] - place[fish])
+        if gap < 0.5 * (world.fishes.length[client] + world.fishes.length[fish]):
+            return int(fish)
+    return None
+
+
+def _spawns(world: subsea.World) -> int | None:
+    """Find a female angelfish that begins to rush upward."""
+    rushes = (world.minds.courtship == SPAWNING) & ~world.minds.male
+    return _first(rushes & _of(world, "Emperor angelfish"))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from typing import Any
 from PIL import Image
 
 FOLDER = Path(__file__).parent / "pictures"
-QUALITY = 86  # of JPEG; higher ones look the same at this size
+QUALITY = 82  # of JPEG; higher ones look the same at this size
 COLOURS = 256  # of PNG
 DPI = 100
 

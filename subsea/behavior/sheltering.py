@@ -12,7 +12,7 @@ from subsea.behavior.manoeuvring import careful, steer
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import BATHES, SPAWNING, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import BATHES, NOBODY, SPAWNING, Clock, Fishes, Minds, Nature, Sea
 
 REST = 0.5  # desire for cover by night
 ALARM = 0.8  # desire for cover of a fish under a shadow
@@ -39,12 +39,15 @@ def desire(
 ) -> None:
     """Alarm of fishes with a cover in reach, under a shadow or frightened, and for a while after.
 
+    Shadows alarm no fish whose fear is imposed, or that a direction pairs.
     It also counts `minds.wary` down.
     """
     low, high = HIDE_S
     for i in who:
         minds.wary[i] = max(minds.wary[i] - minds.pause[i], np.float32(0.0))
-        afraid = minds.shadow[i] > 0.0 or minds.fright[i] > nature.alarmed
+        # By direction: of imposed fear, or of a pair.
+        directed = minds.fright[i] >= 0.0 or minds.betrothed[i] != NOBODY
+        afraid = minds.fright[i] > nature.alarmed if directed else minds.shadow[i] > 0.0
         if minds.cover[i] >= 0 and minds.ways[i] and afraid:
             minds.wary[i] = low + (high - low) * fishes.identity[i]
         out[i] = 0.0

@@ -20,7 +20,9 @@ from subsea.kernels import kernel
 from subsea.state import ALARM as ALARM_SCENT
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
-ALARMING = 1.4  # least fear of what alarms a fish, over f0: so alarm lasts for some seconds
+# Least fear of what alarms a fish, a predator or companions that start, over f0: so alarm lasts for
+# 0.47 fear_s after the last sight.
+ALARMING = 1.6
 RECOGNISED = 0.5  # fear of what is in sight, over the fear remembered, to be its cause
 KNOWN = 3.0  # time constants for which a fish knows where the threat was
 ATTENDED = 4  # nearest companions at which a fish looks for alarm
@@ -32,7 +34,6 @@ LEAST_CALM_S = 1.5  # time since its own start until those of companions alarm a
 WARNED_S, UNSURE_S = 1.0, 0.09
 # Most fear by smell, and the strength of alarm substance, 1/m³, that causes it.
 WARY, ALARMING_SCENT = 0.2, 0.05
-ALARM = 0.75  # fear of a fish that sees companions start
 RUSH_CM_S = 70.0  # speed of approach of the submarine from which it is feared again ...
 RENEWED_S = 1.0  # ... within this time constant
 FORGOTTEN_S = 240.0  # time constant of the habituation's loss
@@ -59,7 +60,7 @@ def felt_fear(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
     if present > nature.alarmed:
         present = max(present, ALARMING * nature.alarmed)
     present += fear_of_scent(float(minds.scent[i, ALARM_SCENT]))
-    return max(present, faded, _alarm(fishes, minds, i, sea))
+    return max(present, faded, _alarm(fishes, minds, i, sea, nature))
 
 
 @kernel
@@ -73,7 +74,7 @@ def fear_of_scent(scent: float) -> float:
 
 
 @kernel
-def _alarm(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
+def _alarm(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> float:
     """Fear by the sight of companions that start, or 0; fish i is then ready to start, too.
 
     It learns from them where the threat is.
@@ -97,7 +98,7 @@ def _alarm(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
         place = vector(fishes.position[first]) if j == NOBODY else place_of(fishes, sea, j)
         store(minds.threat_place[i], place)
         minds.unseen[i] = minds.pause[i]
-    return ALARM
+    return min(ALARMING * nature.alarmed, 1.0)
 
 
 @kernel

@@ -11,7 +11,7 @@ from subsea.lab.sweep_command import add_jobs, seeds
 
 MAX_SECONDS = 3600
 GROUP = "simulate and study"  # in the help
-SEEDS, SECONDS = "1-3", 60.0
+SEEDS, SECONDS, HUNT_SECONDS = "1-3", 60.0, 180.0
 NAME = "subsea study --validate"
 
 
@@ -50,7 +50,7 @@ def add(commands: Any) -> None:
     )
     validate.add_argument(
         "--seconds", type=number_reader(float, 0.1, MAX_SECONDS), metavar="S",
-        help=f"length of each run (default {SECONDS:g})",
+        help=f"length of each run (default {SECONDS:g}; of preying {HUNT_SECONDS:g})",
     )  # fmt: skip
     add_jobs(validate)
     add_report_options(validate)
@@ -90,9 +90,10 @@ def _validate(options: Namespace) -> int:
     if options.out is not None:
         raise UserError("study: --out is for records; with --validate give --plots")
     names = [str(name) for name in options.records] or default_scenarios()
-    seconds = options.seconds or SECONDS
+    times = (options.seconds or SECONDS, options.seconds or HUNT_SECONDS)
+    ticks, hunt_ticks = (max(round(seconds / TICK_S), 1) for seconds in times)
     chosen = options.seeds or seeds(SEEDS)
-    jobs = list(trials(names, chosen, max(round(seconds / TICK_S), 1)))
+    jobs = list(trials(names, chosen, ticks, hunt_ticks))
     files = ReportFiles(NAME, options.json, options.report, options.plots)
     files.check(VALIDATION_PLOTS, options.force)
     warm_up(say)

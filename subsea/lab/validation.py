@@ -92,11 +92,14 @@ def default_scenarios() -> list[str]:
     return [name for name in scenario_names() if any(s.number for s in load_scenario(name)[0].fish)]
 
 
-def trials(scenarios: Sequence[str], seeds: Sequence[int], ticks: int) -> Iterator[SeaTrial]:
+def trials(
+    scenarios: Sequence[str], seeds: Sequence[int], ticks: int, hunt_ticks: int | None = None
+) -> Iterator[SeaTrial]:
     """List all runs: scenarios, schools of several sizes, groups of prey with one predator.
 
-    The last two only if their scenarios are among those that are given. UserError for a scenario
-    that cannot be read.
+    The last two only if their scenarios are among those that are given. The scenario HUNT runs for
+    `hunt_ticks` if they are given: a hunter that begins hungry catches more in the first minute
+    than in others. UserError for a scenario that cannot be read.
     """
     for name in scenarios:
         chosen = load_scenario(name).scenario
@@ -106,7 +109,8 @@ def trials(scenarios: Sequence[str], seeds: Sequence[int], ticks: int) -> Iterat
         label = Path(name).stem if is_path(name, ".toml") else name
         label = f"{label} of {fish} fishes" if fish else label
         for seed in seeds:
-            yield SeaTrial(label, name, seed, ticks, fish)
+            lasts = hunt_ticks if name == HUNT and hunt_ticks else ticks
+            yield SeaTrial(label, name, seed, lasts, fish)
     for seed in seeds:
         if SCHOOL in scenarios:
             for size in SCHOOL_SIZES:
@@ -513,6 +517,13 @@ VALIDATION_PLOTS = {
 MAX_NAMED = 5  # crashed runs that an error names
 
 
+def _longer(done: Sequence[tuple[SeaTrial, SeaMeasures]], seconds: float) -> str:
+    """Name the runs that are longer than `seconds`."""
+    named = {f"{one.label} {one.ticks * TICK_S:.0f} s" for one, _ in done
+             if one.ticks * TICK_S > seconds}  # fmt: skip
+    return f"; {', '.join(sorted(named))}" if named else ""
+
+
 def validate(jobs: Sequence[SeaTrial], files: ReportFiles, pool: Pool[int], check: Check) -> None:
     """Run trials, print the table and write the files; UserError at the end if runs crashed.
 
@@ -522,11 +533,11 @@ def validate(jobs: Sequence[SeaTrial], files: ReportFiles, pool: Pool[int], chec
     done, crashed = run_trials(jobs, pool, check)
     found = summarise(done)
     seeds = sorted({trial.seed for trial, _ in done})
-    seconds = max((trial.ticks for trial, _ in done), default=0) * TICK_S
+    seconds = min((trial.ticks for trial, _ in done), default=0) * TICK_S
     report = Report(
         findings(done, table),
         table.sources,
-        extent=f"Seeds {seed_words(seeds)}, {seconds:.0f} s each.",
+        extent=f"Seeds {seed_words(seeds)}, {seconds:.0f} s each{_longer(done, seconds)}.",
         below=budget_lines(found.minds),
         more={"seeds": seeds, "seconds": round(seconds, 3), **samples(found)},
         plots={

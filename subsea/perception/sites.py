@@ -126,7 +126,7 @@ def see_sites(
         if minds.diet[i]:
             _see_food(i, fishes, minds, sea, nature, clock, grids, room)
         if minds.ways[i]:
-            minds.dark[i] = rests(fishes, i, sea)
+            minds.dark[i] = is_too_dark(fishes, i, sea)
             minds.shadow[i] = shadow_over(fishes, i, sea, others.large, slots)
             _see_cover(i, fishes, minds, sea, clock, grids, others.hiding, room)
         before = minds.client[i]
@@ -287,7 +287,7 @@ def _is_taken(fishes: Fishes, i: int, sea: Sea, s: int, hiding: Grid) -> bool:
 
 
 @kernel
-def rests(fishes: Fishes, i: int, sea: Sea) -> bool:
+def is_too_dark(fishes: Fishes, i: int, sea: Sea) -> bool:
     """True if it is too dark for fish i to be about.
 
     Small fishes retire first in the evening and emerge last in the morning (Hobson 1972).

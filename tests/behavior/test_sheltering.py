@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import sheltering
 from subsea.behavior.table import INTENTIONS
-from subsea.state import ANEMONE, BATHE, BATHES, COVER, HIDES, SHELTER, SPAWNING
+from subsea.state import ANEMONE, BATHE, BATHES, COVER, HIDES, NOBODY, SHELTER, SPAWNING
 
 
 def covered(tank, n=1):
@@ -37,6 +37,14 @@ def test_a_shadow_drives_a_fish_into_cover_for_a_while(tank):
     assert t.desire(sheltering.desire)[0] > 0.0
     t.minds.pause[:] = high
     assert t.desire(sheltering.desire)[0] == 0.0
+
+
+def test_no_shadow_alarms_a_fish_of_imposed_fear_or_a_directed_pair(tank):
+    t = covered(tank, 4)
+    t.minds.shadow[:] = 0.8
+    t.minds.fright[:2] = 0.0, 1.0
+    t.minds.betrothed[2:4] = 3, NOBODY
+    assert (t.desire(sheltering.desire) > 0.0).tolist() == [False, True, False, True]
 
 
 def test_by_night_it_rests_but_not_while_it_spawns(tank):

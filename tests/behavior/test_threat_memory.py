@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from subsea.behavior.threat_memory import (
-    ALARM,
     ALARMING,
     LEAST_CALM_S,
     LEAST_DREAD,
@@ -57,7 +56,7 @@ def test_fear_rises_at_once_and_fades_with_its_time_constant(sea):
 
 
 def test_alarm_lasts_even_if_the_threat_was_slight(sea):
-    for menaces, fear in ((0.49, 0.49), (0.51, ALARMING * 0.5), (0.8, 0.8)):
+    for menaces, fear in ((0.49, 0.49), (0.51, ALARMING * 0.5), (0.9, 0.9)):
         sea.minds.mental[0, FEAR] = 0.0
         sea.minds.menace[0] = sea.minds.menaces[0] = menaces
         assert _feels(sea) == pytest.approx(fear)
@@ -89,7 +88,7 @@ def test_starts_of_companions_alarm_a_fish_the_more_it_is_afraid(sea, fear, star
     sea.minds.mental[0, FEAR] = fear
     sea.minds.startled[1 : 1 + starts] = 0.03
     sea.minds.predator[1] = 8
-    assert _feels(sea) >= (ALARM if alarmed else 0.0)
+    assert _feels(sea) >= (ALARMING * sea.nature.alarmed if alarmed else 0.0)
     assert is_warned(sea.minds, 0) == alarmed
     if alarmed:  # it learns where the predator is
         assert sea.minds.threat_place[0, 0] == 100.0

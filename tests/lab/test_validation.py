@@ -47,6 +47,8 @@ def test_trials_are_scenarios_schools_and_groups():
     assert len(found) == 2 * (3 + len(SCHOOL_SIZES) + len(GROUP_SIZES))
     assert "open-ocean of 3000 fishes" in labels and "schooling of 144" in labels
     assert {one.size for one in found if one.hunt} == set(GROUP_SIZES)
+    longer = [one.label for one in trials(["schooling", "preying"], (1,), 10, 30) if one.ticks > 10]
+    assert longer == ["preying"]
     assert len(default_scenarios()) >= 8
     with pytest.raises(UserError, match="'preying'"):
         [*trials(["preyin"], (1,), 10)]

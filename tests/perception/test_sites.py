@@ -8,8 +8,8 @@ from subsea.perception.sites import (
     FULL_UP,
     LEAST_STOCK,
     grids_of,
+    is_too_dark,
     reefers_of,
-    rests,
     see_sites,
 )
 from subsea.state import (
@@ -226,7 +226,7 @@ def test_small_fishes_rest_first_in_the_evening_and_longest_in_the_morning(tank)
     asleep = []
     for daylight in (0.0, 0.15, 0.2, 0.5, 1.0):
         t.sea.sky[1] = daylight
-        asleep.append([rests(t.fishes, i, t.sea) for i in range(2)])
+        asleep.append([is_too_dark(t.fishes, i, t.sea) for i in range(2)])
     assert asleep[0] == [True, True]
     assert [True, False] in asleep
     assert [False, True] not in asleep
