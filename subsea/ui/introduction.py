@@ -187,8 +187,8 @@ class Introduction:
             return
         text = translated(PROMPTS[self._prompt].words).format(key=self._key(PROMPTS[self._prompt]))
         size, line = imgui.get_io().display_size, imgui.get_font_size()
-        large = 1.25 * line
-        imgui.push_font(None, large)
+        imgui.push_font(None, 1.25 * line)
+        large = imgui.get_font_size()  # ImGui rounds it
         box = imgui.calc_text_size(text, wrap_width=0.8 * size.x)
         left, top = (size.x - box.x) / 2, 0.68 * size.y
         canvas, room = imgui.get_background_draw_list(), 0.6 * line
