@@ -236,7 +236,7 @@ def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
 Group = tuple[str, tuple[Row, ...]]
 
 
-class Layout(NamedTuple):
+class HelpLayout(NamedTuple):
     """Columns of keys, and the room that the help takes, in heights of letters."""
 
     columns: list[list[Group]]
@@ -245,12 +245,12 @@ class Layout(NamedTuple):
     high: float
 
 
-def _layout(columns: list[list[Group]], line: float) -> Layout:
+def _layout(columns: list[list[Group]], line: float) -> HelpLayout:
     """Measure the help with these columns beside the mouse."""
     widths = [column_width(column, line) for column in columns]
     high = max([MOUSE_HIGH, *(_rows_high(column) for column in columns)]) + 2.0 * MARGIN
     wide = MOUSE_WIDE + sum(words for _, words in widths) + MARGIN
-    return Layout(columns, widths, wide, high)
+    return HelpLayout(columns, widths, wide, high)
 
 
 def columns_of(groups: Sequence[Group], number: int) -> list[list[Group]]:
