@@ -97,6 +97,8 @@ def _feeds_on_stone(world: World, who: Ints) -> Bools:
 def _bathes(world: World, who: Ints) -> Bools:
     fishes, minds = world.state.fishes, world.state.minds
     bathes = (minds.intention[who] == BATHE) & (minds.cover[who] >= 0)
+    if not bathes.any():
+        return bathes  # the sea may be without any site
     place = world.state.sea.site_place[np.where(bathes, minds.cover[who], 0)]
     gap = np.linalg.norm(place - fishes.position[who], axis=1)
     return bathes & (gap < TOUCHING * fishes.length[who])

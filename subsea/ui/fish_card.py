@@ -116,7 +116,10 @@ class FishCard:
             imgui.pop_font()
         wide = max(box.x for box in boxes) + line
         high = sum(box.y + 0.2 * line for box in boxes) + 0.6 * line
-        reach = abs(rim_x - x) + AWAY * line
+        # The nearer half of a fish looks longer.
+        away = float(np.linalg.norm(place - np.asarray(front.view.eye)))
+        nearer = away / max(away - 0.5 * float(fishes.length[fish]), 0.4 * away)
+        reach = abs(rim_x - x) * nearer + AWAY * line
         left = x + reach if x + reach + wide < size.x else x - reach - wide
         left = min(max(left, 0.3 * line), max(size.x - wide - 0.3 * line, 0.0))
         top = min(max(y - high / 2, 0.3 * line), max(size.y - high - 0.3 * line, 0.0))

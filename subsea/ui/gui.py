@@ -485,8 +485,8 @@ def _set_style(style: Any) -> None:
         (names.header_hovered, (0.16, 0.43, 0.55), 0.9),
         (names.header_active, LIT, 1.0),
         (names.check_mark, MARK, 1.0),
-        (names.slider_grab, (0.40, 0.75, 0.86), 0.9),
-        (names.slider_grab_active, (0.60, 0.92, 1.0), 1.0),
+        (names.slider_grab, LIT, 1.0),  # dark enough for the value that is written over it
+        (names.slider_grab_active, (0.20, 0.60, 0.76), 1.0),
         (names.separator, QUIET, 0.25),
         (names.nav_cursor, MARK, 0.9),
         (names.tab, (0.08, 0.22, 0.30), 0.8),

@@ -24,7 +24,7 @@ from subsea.ui.gui import (
 )
 
 MOUSE_WIDE, MOUSE_HIGH = 15.5, 15.0  # of the mouse and its labels, in heights of letters
-COLUMNS = 2  # of keys at most
+COLUMNS = 4  # of keys at most
 ROW, GAP = 1.38, 0.5  # height of a line, and between two groups
 CAP = 1.15  # height of a key
 MARGIN = 0.8  # around all columns
@@ -199,11 +199,12 @@ def _part_width(row: Row, line: float) -> float:
 def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
     """Draw it in the middle of the current frame, its lower edge at `foot` or higher."""
     size, line = imgui.get_io().display_size, imgui.get_font_size()
-    columns = columns_of(content.groups)
-    widths = [column_width(column, line) for column in columns]
-    high = max([MOUSE_HIGH, *(_rows_high(column) for column in columns)]) + 2.0 * MARGIN
-    wide = MOUSE_WIDE + sum(words for _, words in widths) + MARGIN
-    line = min(line, foot / (high + 1.0), size.x / (wide + 1.0))
+    layouts = [_layout(columns_of(content.groups, most), line) for most in range(2, COLUMNS + 1)]
+    room = [
+        min(line, foot / (layout.high + 1.0), size.x / (layout.wide + 1.0)) for layout in layouts
+    ]
+    line = max(room)
+    columns, widths, wide, high = layouts[room.index(line)]
     if line < 1.0:
         return  # the window is too small for any letter
     canvas = imgui.get_background_draw_list()
@@ -235,8 +236,25 @@ def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
 Group = tuple[str, tuple[Row, ...]]
 
 
-def columns_of(groups: Sequence[Group]) -> list[list[Group]]:
-    """Divide groups, in their order, among COLUMNS columns of about equal height."""
+class HelpLayout(NamedTuple):
+    """Columns of keys, and the room that the help takes, in heights of letters."""
+
+    columns: list[list[Group]]
+    widths: list[tuple[float, float]]  # of each: see `column_width`
+    wide: float
+    high: float
+
+
+def _layout(columns: list[list[Group]], line: float) -> HelpLayout:
+    """Measure the help with these columns beside the mouse."""
+    widths = [column_width(column, line) for column in columns]
+    high = max([MOUSE_HIGH, *(_rows_high(column) for column in columns)]) + 2.0 * MARGIN
+    wide = MOUSE_WIDE + sum(words for _, words in widths) + MARGIN
+    return HelpLayout(columns, widths, wide, high)
+
+
+def columns_of(groups: Sequence[Group], number: int) -> list[list[Group]]:
+    """Divide groups, in their order, among at most `number` columns of about equal height."""
     most = max((1 + len(rows) for _, rows in groups), default=1)
     while True:
         columns: list[list[Group]] = [[]]
@@ -244,7 +262,7 @@ def columns_of(groups: Sequence[Group]) -> list[list[Group]]:
             if columns[-1] and _rows_high([*columns[-1], group]) > ROW * most:
                 columns.append([])
             columns[-1].append(group)
-        if len(columns) <= COLUMNS:
+        if len(columns) <= number:
             return columns
         most += 1
 

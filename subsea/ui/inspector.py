@@ -24,7 +24,7 @@ from subsea.dive.minds_text import name_of
 from subsea.dive.ride import ASPECT, EDGE, WIDE, nearest_to_middle
 from subsea.dive.settings import settings_path
 from subsea.ui.cards import CARDS, GAP, SEA, EyePictures, common, dock
-from subsea.ui.gui import GLASS, MARK, colour
+from subsea.ui.gui import GLASS, MARK, colour, look
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.fields import Area, PanelContext
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 Places = dict[str, tuple[Share, Share]]  # upper left corners, in shares of the screen
 
+SMALLER = 0.93  # factor on the letters of cards that cover one another, in each frame
 TITLE = 1.6  # height of a panel's title, in heights of letters
 TITLE_WEIGHT = 8.0  # of covering a title against covering the rest of a panel
 LONGEST = 1 << 16  # bytes of a file of places
@@ -160,6 +161,8 @@ class Inspector(PanelContext):
         self.more = False  # True if the bar names the panels of researchers
         self.areas: dict[str, Area] = {}  # of drawn panels
         self.cards: dict[str, Area] = {}  # of drawn cards
+        self._fit = 1.0  # size of the letters of cards over that of other text
+        self._fit_about: object = None  # the screen, the text and the cards of that size
         self._about: object = None  # the last subject
         self._before: dict[tuple[float, float], dict[str, Area]] = {}  # areas on other screens
         self._screen = 0.0, 0.0  # size for which the panels are placed
@@ -247,6 +250,9 @@ class Inspector(PanelContext):
         if not imgui.is_mouse_down(0):  # a slider must not slip away
             docked = {name: area for name, area in self.cards.items() if area[0] < screen.x}
             self.cards |= dock(sizes, docked, room, kept, GAP * line)
+            self._fit_cards(names)
+        line *= self._fit
+        imgui.push_font(None, line)
         imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.45 * line, 0.3 * line))
         for name in names:
             known = self.cards.get(name)
@@ -262,6 +268,17 @@ class Inspector(PanelContext):
             if not stays:
                 self.shown.discard(name)
         imgui.pop_style_var()
+        imgui.pop_font()
+
+    def _fit_cards(self, names: list[str]) -> None:
+        """Make the letters of cards smaller while cards cover one another, to the usual size."""
+        screen, text = imgui.get_io().display_size, look().text
+        about = screen.x, screen.y, text, names
+        if about != self._fit_about:
+            self._fit_about, self._fit = about, 1.0
+        areas = [area for area in self.cards.values() if area[0] < screen.x]
+        if any(common(one, other) for one, other in itertools.combinations(areas, 2)):
+            self._fit = max(SMALLER * self._fit, 1.0 / text)
 
     def _bar(self) -> None:
         """Draw an entry for each card and panel and one to close; closer together if narrow."""

@@ -86,6 +86,7 @@ class Introduction:
         self._short = False
         self._prompt: int | None = None  # the number of the prompt that is shown
         self._for_s = self._followed_s = self._opacity = 0.0
+        self.area = (0.0, 0.0), (0.0, 0.0)  # of the last prompt that was drawn
 
     @property
     def active(self) -> bool:
@@ -187,12 +188,14 @@ class Introduction:
             return
         text = translated(PROMPTS[self._prompt].words).format(key=self._key(PROMPTS[self._prompt]))
         size, line = imgui.get_io().display_size, imgui.get_font_size()
-        large = 1.25 * line
-        imgui.push_font(None, large)
+        imgui.push_font(None, 1.25 * line)
+        large = imgui.get_font_size()  # ImGui rounds it
         box = imgui.calc_text_size(text, wrap_width=0.8 * size.x)
-        left, top = (size.x - box.x) / 2, 0.68 * size.y
         canvas, room = imgui.get_background_draw_list(), 0.6 * line
+        top = min(0.68 * size.y, self._dive.overlay.foot - box.y - 1.2 * room)
+        left = (size.x - box.x) / 2
         low, high = (left - room, top - 0.6 * room), (left + box.x + room, top + box.y + 0.6 * room)
+        self.area = low, high
         canvas.add_rect_filled(low, high, colour(GLASS, ground(0.8) * self._opacity), 0.4 * line)
         canvas.add_rect(low, high, colour(MARK, 0.6 * self._opacity), 0.4 * line, stroke(1.0))
         canvas.add_text(

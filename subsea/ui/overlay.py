@@ -26,6 +26,7 @@ class Overlay:
         self._full = False  # the whole help, until it is hidden
         self._shown = True
         self._gone_cm = 0.0
+        self.foot = math.inf  # upper edge of notes and instruments, in pointer units
         self.note_text = ""
         self._note_s = 0.0
 
@@ -78,6 +79,7 @@ class Overlay:
         words = "   ".join(filter(None, (circumstances, note)))
         if words:
             foot = draw_line(unbroken(words), size, foot)
+        self.foot = foot
         if self.help_opacity > 0.0 and self._full:
             draw_help(self.help, self.help_opacity, foot)
         elif self.help_opacity > 0.0:

@@ -90,6 +90,15 @@ def test_behaviors_are_those_of_minds(sea):
     assert subjects(sea)["visit"] == 0
 
 
+def test_a_sea_without_sites_has_no_bathers(sea, monkeypatch):
+    world, _ = sea
+    bare = world.state.sea._replace(site_place=world.state.sea.site_place[:0])
+    monkeypatch.setattr(world.state, "sea", bare)
+    world.state.minds.cover[:] = -1
+    put(world, 0, 120.0)
+    assert len(subjects(sea)) == 1
+
+
 def test_a_hunt_and_a_catch_are_of_predators(sea):
     world, _ = sea
     minds = world.state.minds

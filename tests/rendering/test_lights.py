@@ -72,7 +72,7 @@ def test_fishes_of_every_level_are_lit_the_near_ones_more(dark, both, sight, fis
         packet = sight([fish(0, (0, away, high), level=level, fade=fade)])
         bare = dark(sight())
         off, on = both(packet)
-        body = np.abs(off - bare).max(axis=2) > 25
+        body = np.abs(off - bare).max(axis=2) > 15  # a fish is dim in the deep
         if high > -1100:
             assert not body[60:].any()  # above both beams
         assert body.sum() > 8

@@ -55,7 +55,7 @@ def test_its_menu_has_no_way_out(exhibit, user):
     assert parts == ["Comfort", "Reading", "Language", "Back"]
     exhibit.menu.page = ""
     user.do("key", "Down", "Down", "Down", "Return")
-    user.glide(exhibit, 0.5)
+    user.glide(exhibit, 1.0)  # a frame takes one change of a key
     assert exhibit.menu.page == "Scenario"
     assert "Restart" not in [entry.text for entry in exhibit.menu.entries()]
     user.do("key", "Escape")

@@ -3,6 +3,7 @@
 from contextlib import closing
 from itertools import combinations
 
+import glfw
 import numpy as np
 import pytest
 
@@ -95,6 +96,22 @@ def test_the_card_of_eyes_shows_what_both_eyes_see(opened, user):
     user.glide(opened, 0.2)
     # The sea itself is drawn as before.
     assert np.abs(user.screen(opened)[-40:] - before[-40:]).mean() < 20.0
+
+
+def test_large_letters_shrink_until_cards_are_apart(opened, user):
+    opened.inspector.chosen = None  # no fish in the way
+    glfw.set_window_size(opened.window.handle, 800, 500)
+    try:
+        user.until(opened, lambda: opened.window.size == (800, 500))
+        for text in ("normal", "largest"):
+            opened.preferences.set_display(text=text)
+            user.glide(opened, 2.0)
+            assert len(opened.inspector.cards) == 3 and apart(opened.inspector.cards)
+        assert opened.inspector._fit < 1.0
+    finally:
+        opened.preferences.set_display(text="normal")
+        glfw.set_window_size(opened.window.handle, 640, 480)
+        user.until(opened, lambda: opened.window.size == (640, 480))
 
 
 def test_companions_are_named_in_plain_words(boat):

@@ -5,6 +5,7 @@ from imgui_bundle import imgui
 
 from subsea.base.language import LANGUAGES, japanese_font, latin_font, set_language
 from subsea.dive.settings import CONTROLS, USUAL, Settings, is_key, key_words
+from subsea.ui import help_overlay
 from subsea.ui.help_overlay import (
     COLUMNS,
     GROUPS,
@@ -13,6 +14,7 @@ from subsea.ui.help_overlay import (
     Row,
     column_width,
     columns_of,
+    draw_help,
     help_content,
 )
 
@@ -44,8 +46,8 @@ def letters():
 def test_every_line_is_in_its_column(letters):
     for code in LANGUAGES:
         set_language(code)
-        columns = columns_of(help_content(Settings().bindings).groups)
-        assert 1 < len(columns) <= COLUMNS
+        columns = columns_of(help_content(Settings().bindings).groups, 2)
+        assert len(columns) == 2
         wide = MOUSE_WIDE + MARGIN
         for column in columns:
             words_x, column_wide = column_width(column, LINE)
@@ -71,10 +73,25 @@ def test_it_has_every_control_that_has_a_key():
 
 def test_columns_keep_the_order_of_groups():
     groups = [(str(k), (Row((), "words"),) * rows) for k, rows in enumerate((7, 7, 4, 6, 2, 4))]
-    columns = columns_of(groups)
-    assert [group for column in columns for group in column] == groups
-    heights = [sum(1 + len(rows) for _, rows in column) for column in columns]
-    assert max(heights) < 0.7 * sum(heights)
+    highest = []
+    for number in range(2, COLUMNS + 1):
+        columns = columns_of(groups, number)
+        assert [group for column in columns for group in column] == groups
+        highest.append(max(sum(1 + len(rows) for _, rows in column) for column in columns))
+    assert highest[0] < 0.7 * sum(1 + len(rows) for _, rows in groups)
+    assert highest[1] < 0.8 * highest[0]
+
+
+def test_larger_letters_stay_larger_in_a_small_window(letters, monkeypatch):
+    imgui.get_io().display_size = imgui.ImVec2(1280, 720)
+    drawn = []
+    monkeypatch.setattr(help_overlay, "_mouse", lambda *place: drawn.append(place[4]))
+    for size in (LINE, 1.7 * LINE):
+        imgui.push_font(None, size)
+        draw_help(help_content(Settings().bindings), 1.0, 560.0)
+        imgui.pop_font()
+    usual, large = drawn
+    assert usual == LINE and large > 1.2 * LINE
 
 
 def test_keys_have_the_names_of_a_visitors_keyboard():

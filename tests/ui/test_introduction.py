@@ -93,6 +93,18 @@ def test_prompts_go_once_they_are_followed(boat, begun, user, monkeypatch):
     boat.overlay.hide_help()
 
 
+def test_a_prompt_leaves_notes_free(boat, begun, user):
+    begun.skip()
+    user.glide(boat, 1.0)
+    boat.overlay.note("a note that is as wide as the prompt")
+    user.glide(boat, 0.3)
+    assert begun.prompts and 0.5 * SIZE[1] < begun.area[1][1] < boat.overlay.foot
+    instruments = boat.overlay.foot
+    boat.overlay.note("")
+    user.glide(boat, 0.3)
+    assert boat.overlay.foot > instruments + 5.0
+
+
 def test_a_prompt_without_an_answer_goes_by_itself(boat, begun, user, monkeypatch):
     monkeypatch.setattr(introduction, "ENOUGH_S", 0.5)
     begun.skip()

@@ -61,20 +61,29 @@ def press(boat, user, *keys):
 
 
 def click(boat, user, monkeypatch, text, release=True):
-    """Click the entry that begins with this text."""
+    """Click the entry that begins with this text, after scrolling to it."""
     found, draw = {}, boat.menu.draw_entry
 
     def noted(entry, line):
         draw(entry, line)
-        found[entry.text] = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        found[entry.text] = (low.x + high.x) / 2, (low.y + high.y) / 2
+
+    def place():
+        user.glide(boat, 0.2)
+        return next(place for name, place in found.items() if name.startswith(text))
 
     with monkeypatch.context() as patch:
         patch.setattr(boat.menu, "draw_entry", noted)
-        user.glide(boat, 0.2)
-    low, high = next(box for name, box in found.items() if name.startswith(text))
-    left, top = boat.window.position
-    place = int(left + (low.x + high.x) / 2), int(top + (low.y + high.y) / 2)
-    user.drag(boat, place, drop=release)
+        x, y = place()
+        left, top = boat.window.position
+        user.do("mousemove", int(left + x), top + SIZE[1] // 2)
+        for _ in range(100):
+            if 0.1 * SIZE[1] < y < 0.9 * SIZE[1]:
+                break
+            user.do("click", 4 if y < 0.5 * SIZE[1] else 5)
+            x, y = place()
+    user.drag(boat, (int(left + x), int(top + y)), drop=release)
 
 
 def open_page(boat, name):
