@@ -29,6 +29,7 @@ STANDARD_CM = 130.0  # length of a fish of level 1
 BEYOND = 1.25  # how far it is felt, over the range of sight
 APPROACH_CM_S = 45.0  # speed of approach at which it is loudest
 PASSING = 0.22  # level of one that keeps its distance
+COMES = 0.5  # eased share of that speed from which it is said to come
 HUSH_CM, HUSHED_CM = 1000.0, 350.0  # from where it silences a listener, and what is around it
 BEAT_HZ = 0.7  # of its pulse; each fish has its own
 
@@ -138,7 +139,8 @@ def loom_of(world: World, listener: Listener, gap: Array, away: Array) -> Loom:
     hush = float((coming * _eased(1.5 * (1.0 - far / HUSH_CM))).max())
     total = float(loud.sum())
     way = listener.axes @ (loud @ ways) / max(total, 1e-9)
-    nearest = float(np.where(coming > 0.3, far, math.inf).min())
+    comes = (coming > COMES) & (far < HUSH_CM)
+    nearest = float(np.where(comes, far, math.inf).min())
     return Loom(large, min(total, 1.5), way, hush, nearest)
 
 
