@@ -106,7 +106,9 @@ void main() {
         length_cm = kelp ? look.x * (reach.x + reach.y * own) : body.w * (0.62 - 0.55 * at) * (0.7 + 0.5 * own);
         float s = t;
         if (kelp) {
-            s = t < FLOAT_ROWS ? FLOAT * t / FLOAT_ROWS : FLOAT + (1.0 - FLOAT) * (t - FLOAT_ROWS) / (1.0 - FLOAT_ROWS);
+            // The rows of its blade lie evenly on the outline, which is nearly half an ellipse.
+            float row = (t - FLOAT_ROWS) / (1.0 - FLOAT_ROWS);
+            s = row < 0.0 ? FLOAT * t / FLOAT_ROWS : FLOAT + (1.0 - FLOAT) * (0.5 - 0.5 * cos(3.1416 * row));
             place += beside(mod(blade_number, STIPES), at, look.w, look.x);
             // The youngest, at the tip, are small; old ones are dark.
             if (canopy) size *= smoothstep(CANOPY_CM.x, CANOPY_CM.y, place.z);

@@ -12,6 +12,7 @@ from subsea.ui.hud import HIGH, Hud, Reading
 FADE_S = 1.5
 NOTE_S = 4.0
 MOVED_CM = 60.0  # distance after which the help fades
+COASTED_CM = 300.0  # farthest distance by which a submarine glides on from a tour
 
 
 class Overlay:
@@ -39,8 +40,11 @@ class Overlay:
         self._shown = self._full = True
 
     def greet(self) -> None:
-        """Show a new visitor three lines of the help, until the submarine is under way."""
-        self._shown, self._full, self._gone_cm = True, False, 0.0
+        """Show a new visitor three lines of the help, until the submarine is under way.
+
+        It may still glide on from a tour.
+        """
+        self._shown, self._full, self._gone_cm = True, False, -COASTED_CM
 
     def hide_help(self) -> None:
         """Fade out the help."""

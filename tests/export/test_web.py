@@ -175,7 +175,8 @@ def test_fishes_and_water_are_where_the_dive_has_them(written, opened):
         overlap = (mine & theirs).sum() / (mine | theirs).sum()
         middles = [np.argwhere(mask).mean(0) for mask in (mine, theirs)]
         print(fish.name, theirs.sum(), overlap, middles[0] - middles[1])
-        assert overlap > 0.8, fish.name
+        # An outline that is off by a pixel matters more to a small fish.
+        assert overlap > 1.0 - 3.5 / np.sqrt(theirs.sum()), fish.name
         assert np.abs(middles[0] - middles[1]).max() < 1.5, fish.name
     assert compared >= 2
 

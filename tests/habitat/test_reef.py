@@ -166,7 +166,7 @@ def test_without_reefs_the_floor_is_the_sand(bay):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("position_cm = [9000.0, 0.0]", r"reef\[6\].position_cm"),
+        ("position_cm = [9000.0, 0.0]", r"reef\[11\].position_cm"),
         ("number = 2001", "number"),
         ('kinds = { tree = 1.0 }', "tree"),
         ("size = 9.0", "size"),

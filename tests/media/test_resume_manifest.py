@@ -12,7 +12,10 @@ from subsea.rendering.renderer import Renderer
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-FILM = ["--size", "160x120", "--start", "6.2", "--seconds", "1.8", "--fps", "10", "--seed", "1"]
+FILM = [
+    "--size", "160x120", "--tour", "reef", "--start", "14.8", "--seconds", "1.8", "--fps", "10",
+    "--seed", "1",
+]  # fmt: skip
 
 
 def pictures(folder):
@@ -82,12 +85,12 @@ def test_pictures_that_were_lost_are_made_again(tmp_path, film, whole):
     ("change", "told"),
     [
         (["--fps", "12"], "`fps` is 10.0 there and 12.0 here"),
-        (["--tour", "reef", "--seconds", "1.2"], '`tour` is "auto" there and "reef" here'),
+        (["--tour", "auto", "--seconds", "1.2"], '`tour` is "reef" there and "auto" here'),
         (["--seed", "2"], "`seed` is 1 there and 2 here"),
         (None, "`seed` is 1 there and the scenario's own here"),
         (["--size", "320x180"], "`size` is [160, 120] there and [320, 180] here"),
         (["--eye-distance", "7"], "`separation_cm` is not given there and 7.0 here"),
-        (["--scenario", "visitors"], '`scenario` is "peaceful.toml" there'),
+        (["--scenario", "visitors", "--tour", "auto"], '`scenario` is "peaceful.toml" there'),
     ],
 )
 def test_another_film_is_not_mixed_into_it(tmp_path, film, whole, capsys, change, told):

@@ -101,13 +101,13 @@ OWN = {
     **dict.fromkeys(
         (
             tables.Pillar, tables.Rock, tables.Outcrop, tables.Ridge, tables.Arch, tables.Vent,
-            tables.CoralTable,
+            tables.CoralTable, tables.Wreck,
         ),
         PLACED,
     ),
 }  # fmt: skip
 TOUR = load_scenario("visitors")[0].tour
-LISTS = ["pillar", "rock", "outcrop", "arch", "seaweed", "vent", "reef"]
+LISTS = ["pillar", "rock", "outcrop", "arch", "seaweed", "vent", "reef", "wreck"]
 
 
 @st.composite

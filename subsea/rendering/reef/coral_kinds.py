@@ -123,11 +123,13 @@ def soft(rng: Rng, level: int) -> CoralMesh:
     heads, size = heads[::step], larger * size[::step]
     # Spindles that stand out from their bunch.
     out = unit(unit(heads - np.array([0.0, 0.0, 0.6])) + 0.5 * rng.normal(size=heads.shape))
-    along = size[:, None] * np.array([-0.9, 0.25, 1.5])
-    path = heads[:, None] + along[..., None] * out[:, None]
-    radius = size[:, None] * np.array([0.0, 0.75, 0.0])
+    # From pole to pole; near ones are round.
+    shares = np.array([0.0, 0.25, 0.7, 1.0] if level == 0 else [0.0, 0.48, 1.0])
+    wide = np.array([0.0, 0.66, 0.6, 0.0] if level == 0 else [0.0, 0.75, 0.0])
+    path = heads[:, None] + (size[:, None] * (2.4 * shares - 0.9))[..., None] * out[:, None]
+    radius = size[:, None] * wide
     bulbs = tubes(
-        path, radius, 4 if level < 2 else 3, tip=np.array([0.8, 0.9, 1.0]),
+        path, radius, (6, 4, 3, 3)[level], tip=0.8 + 0.2 * shares,
         light=thicket_light(path, 0.45), sway=0.7 * out_share(path),
     )  # fmt: skip
     return joined(stem, bulbs)
@@ -356,7 +358,7 @@ def _hollow(
 
 def pipes(rng: Rng, level: int) -> CoralMesh:
     """A cluster of tube sponges of different heights that lean apart."""
-    number, rings, sides = 8, (7, 5, 3, 2)[level], (14, 8, 5, 4)[level]
+    number, rings, sides = 8, (7, 5, 3, 2)[level], (14, 10, 7, 5)[level]
     turn = 2.39996 * np.arange(number) + rng.uniform(-0.4, 0.4, number)
     out = 0.17 * np.sqrt(np.arange(number) + 0.2)
     foot = np.stack([out * np.cos(turn), out * np.sin(turn), 0 * turn - 0.05], axis=1)
