@@ -129,7 +129,7 @@ def soft(rng: Rng, level: int) -> CoralMesh:
     path = heads[:, None] + (size[:, None] * (2.4 * shares - 0.9))[..., None] * out[:, None]
     radius = size[:, None] * wide
     bulbs = tubes(
-        path, radius, (6, 4, 3, 3)[level], tip=0.8 + 0.2 * shares,
+        path, radius, (5, 4, 3, 3)[level], tip=0.8 + 0.2 * shares,
         light=thicket_light(path, 0.45), sway=0.7 * out_share(path),
     )  # fmt: skip
     return joined(stem, bulbs)
