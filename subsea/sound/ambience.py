@@ -139,8 +139,7 @@ def loom_of(world: World, listener: Listener, gap: Array, away: Array) -> Loom:
     hush = float((coming * _eased(1.5 * (1.0 - far / HUSH_CM))).max())
     total = float(loud.sum())
     way = listener.axes @ (loud @ ways) / max(total, 1e-9)
-    comes = (coming > COMES) & (far < HUSH_CM)
-    nearest = float(np.where(comes, far, math.inf).min())
+    nearest = float(np.where(coming > COMES, far, math.inf).min())
     return Loom(large, min(total, 1.5), way, hush, nearest)
 
 
