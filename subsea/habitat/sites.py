@@ -5,6 +5,7 @@ eaten too, and small animals live in rubble. Fishes bathe in anemones. They hide
 crevices, below table corals and among branches.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,7 +54,8 @@ DARK = 0.34  # ... and below which a place hides fishes
 STEEPEST = -0.15  # upward component of the normal of the steepest rock that is grazed
 DEEPEST_CM = 24.0  # depth below what fishes avoid at which food is still reached
 ABOVE_CM = 5.0  # least height of places on rock above the sand
-MOUTH_CM = 5.0  # height over food that must be free of other growths
+MOUTH_CM = 5.0  # height over food that must be free of other growths ...
+MOUTH_ROOM_CM = 1.5  # ... and its least distance from stone, as between two stones
 OUT_CM = 11.0  # of a hidden fish, from the rock
 ROOM_CM = 7.0  # free water around it ...
 DOOR_CM = 25.0  # ... and this far before it, out of the shell around stone
@@ -138,6 +140,8 @@ def _on_rock(sea: Sea) -> Rows:
     sand = heights_at(sea.heights, sea.half_width, place[:, :2])
     turf = (light > LIT) & (normal[:, 2] > STEEPEST) & (place[:, 2] > sand + ABOVE_CM)
     turf &= chance < TURF_M2 / SPOTS_M2
+    stones = formations(sea.pillars, sea.rocks)
+    _keep_open(turf, place + MOUTH_CM * normal, stones, MOUTH_ROOM_CM)
     hidden = place + OUT_CM * normal
     cover = (light < DARK) & (hidden[:, 2] > sand + ROOM_CM) & (chance < COVER_M2 / SPOTS_M2)
     # Its door lies in open water.
@@ -145,9 +149,7 @@ def _on_rock(sea: Sea) -> Rows:
     door = hidden + (DOOR_CM + depth)[:, None] * normal
     cover &= clearances(sea.pillars, sea.rocks, door) > ROOM_CM
     cover &= door[:, 2] > sand + ROOM_CM
-    stones = formations(sea.pillars, sea.rocks)
-    for k in np.flatnonzero(cover):
-        cover[k] = min(drawn_distance(blocks, vector(hidden[k])) for blocks in stones) > ROOM_CM
+    _keep_open(cover, hidden, stones, ROOM_CM)
     kind = np.concatenate([np.full(turf.sum(), TURF), np.full(cover.sum(), COVER)])
     return (
         kind,
@@ -155,6 +157,13 @@ def _on_rock(sea: Sea) -> Rows:
         np.concatenate([normal[turf], normal[cover]]),
         np.full(len(kind), -1),
     )
+
+
+def _keep_open(chosen: Bools, places: Array, stones: Sequence[Array], room: float) -> None:
+    """Drop those of the chosen places (s, 3) that are within `room` cm of a drawn stone."""
+    for k in np.flatnonzero(chosen):
+        place = vector(places[k])
+        chosen[k] = all(drawn_distance(blocks, place) > room for blocks in stones)
 
 
 def _on_growth(reef: Reef, k: int) -> Rows:

@@ -112,7 +112,7 @@ class EyePictures:
 
     def __init__(self) -> None:
         self.texture: ImageTexture | None = None
-        self.fish = -1  # whose eyes
+        self.fish = -1  # the fish whose eyes it shows
         self._due_s = 0.0
 
     def follow(self, context: PanelContext, fish: int) -> None:

@@ -114,7 +114,10 @@ def soft(rng: Rng, level: int) -> CoralMesh:
     ).reshape(-1, 3)
     size = rng.uniform(0.042, 0.075, len(heads))
     if level == 0:
-        stem = together(trunk, boughs, twigs).tubes(3, 7, False, sway=0.7, pale=1.5, dark=0.5)
+        parts = (trunk, 7), (together(boughs, twigs), 5)  # most of which are under buds
+        stem = joined(
+            *(one.tubes(3, sides, False, sway=0.7, pale=1.5, dark=0.5) for one, sides in parts)
+        )
     else:
         few = boughs.taken(np.arange(0, 11, max(level - 1, 1)))
         sides = 4 if level == 1 else 3

@@ -17,7 +17,7 @@ from subsea.rendering.sea.seabed import drawn_height
 from subsea.scenario.load import load_scenario
 from subsea.state import Reef
 
-MOST = (10_000, 2100, 800, 480, 60)  # triangles at each level
+MOST = (9500, 2100, 800, 480, 60)  # triangles at each level
 
 
 def reef_of(*growths, on_rock=False):
