@@ -114,7 +114,7 @@ def soft(rng: Rng, level: int) -> CoralMesh:
     ).reshape(-1, 3)
     size = rng.uniform(0.042, 0.075, len(heads))
     if level == 0:
-        parts = (trunk, 7), (together(boughs, twigs), 5)  # most of which are under buds
+        parts = (trunk, 7), (together(boughs, twigs), 5)  # most twigs are under buds
         stem = joined(
             *(one.tubes(3, sides, False, sway=0.7, pale=1.5, dark=0.5) for one, sides in parts)
         )
