@@ -1,4 +1,4 @@
-"""Disk cache of function results, invalidated when the source changes.
+"""Caches of function results, on the disk and in memory, outdated by changes of the source.
 
 For functions whose result depends on their arguments alone. A file is named after its code and
 arguments, so it is never outdated; a damaged one is computed again. Files are data only: reading
@@ -11,10 +11,12 @@ import lzma
 import os
 import pickle
 import sys
+from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from threading import Lock
 from typing import Any, ParamSpec, TypeVar, get_type_hints
 
 import numpy as np
@@ -31,6 +33,10 @@ T = TypeVar("T")
 
 SHIPPED = ROOT / "subsea" / "_data" / "kept"
 MAX_BYTES = 512 << 20  # of all files; twice the need of the shipped scenarios
+MOST_REMEMBERED = 160  # results in memory, each of about 1 MiB
+
+_remembered: OrderedDict[str, Any] = OrderedDict()  # the last used at the end
+_remembering = Lock()
 
 
 def cache_folder() -> Path:
@@ -50,6 +56,24 @@ def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
         return there
     made = make(*given, **named)
     keep(name, made)
+    return made
+
+
+def remembered(name: str, make: Callable[[], T]) -> T:
+    """Return ``make()``, from memory if a result of this name was made a short while ago.
+
+    `cache_name` makes the name, of all that the result depends on. Nobody may write into it.
+    """
+    with _remembering:
+        if name in _remembered:
+            _remembered.move_to_end(name)
+            there: T = _remembered[name]
+            return there
+    made = make()
+    with _remembering:
+        _remembered[name] = made
+        while len(_remembered) > MOST_REMEMBERED:
+            _remembered.popitem(last=False)
     return made
 
 

@@ -80,8 +80,8 @@ LOW_CM = 7.0  # height below which growths do not raise the floor
 
 def grow_reefs(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
-    # Without plankton, which differs with every seed and does not affect reefs.
-    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
+    # Without plankton and hour, which do not affect reefs.
+    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0], sky=sea.sky[:0])
     current = scenario.water.current_cm_s
     floor, reef = cached(_grow, scenario.reef, scenario.coral, current, still)
     return sea._replace(floor=floor), reef

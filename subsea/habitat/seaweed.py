@@ -53,7 +53,7 @@ TRIES = 30
 
 def plant_seaweed(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
     """All seaweed of a scenario at rest in still water, and the sea with its boxes."""
-    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
+    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0], sky=sea.sky[:0])
     boxes, seaweed = cached(_planted, scenario.seaweed, still, reef, seed)
     return sea._replace(seaweed=boxes), seaweed
 

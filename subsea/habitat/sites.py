@@ -80,7 +80,7 @@ def lay_sites(sea: Sea, reef: Reef) -> Sea:
     if len(reef.kind) == 0 and len(sea.rocks) == 0 and len(sea.pillars) == 0:
         return sea
     empty = sea.plankton[:0], sea.absent[:0], sea.seaweed[:0]
-    still = sea._replace(plankton=empty[0], absent=empty[1], seaweed=empty[2])
+    still = sea._replace(plankton=empty[0], absent=empty[1], seaweed=empty[2], sky=sea.sky[:0])
     sites = cached(_find, still, reef)
     return sea._replace(
         site_kind=sites.kind, site_place=sites.place, site_normal=sites.normal,

@@ -18,12 +18,14 @@ class CancelledByUserError(Exception):
 
 
 def run_in_background(
-    work: Callable[[Callable[[str], None]], T], look: Callable[[str | None], None]
+    work: Callable[[Callable[[str], None]], T],
+    look: Callable[[str | None], None],
+    every_s: float = LOOK_S,
 ) -> T:
     """Return or raise the result of `work`; call `look` in this thread until it is done.
 
     `work` receives a function to report progress in lines. `look` receives each of these lines
-    once, else None. If it raises, as `CancelledByUserError`, the work is abandoned.
+    once, else None every `every_s`. If it raises, as `CancelledByUserError`, the work is abandoned.
     """
     lines: SimpleQueue[str] = SimpleQueue()
     results: list[T] = []
@@ -40,7 +42,7 @@ def run_in_background(
     try:
         while thread.is_alive() or not lines.empty():
             try:
-                look(lines.get(timeout=LOOK_S))
+                look(lines.get(timeout=every_s))
             except Empty:
                 look(None)
     except BaseException as reason:

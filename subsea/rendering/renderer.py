@@ -2,16 +2,16 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
-from subsea.base.arrays import Bytes
+from subsea.base.arrays import Array, Bytes
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
@@ -20,16 +20,17 @@ from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
 from subsea.rendering.gl.context import GpuOwner, GpuTimer
 from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
-from subsea.rendering.gl.static_batch import box_around
+from subsea.rendering.gl.static_batch import LazyMesh, StaticMesh, box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of, water_of
 from subsea.rendering.output.vessel import TheatreVesselRenderer
 from subsea.rendering.reef import coral, rocks
-from subsea.rendering.reef.coral import CoralRenderer, bake
+from subsea.rendering.reef.coral import CoralRenderer, bake, spheres
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
 from subsea.rendering.reef.seaweed import SeaweedRenderer
+from subsea.rendering.sea.ground_map import GroundMap
 from subsea.rendering.sea.hook import HookRenderer
 from subsea.rendering.sea.particles import BubbleRenderer, LineRenderer, ParticleRenderer
 from subsea.rendering.sea.seabed import SeabedRenderer, surroundings
@@ -39,6 +40,40 @@ from subsea.scenario.schema import Grade
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
+
+
+class BakedScene(NamedTuple):
+    """What a renderer needs of a scene and what no OpenGL computes; it takes seconds."""
+
+    stone: "Future[list[list[StaticMesh]]]"
+    ground: "Future[GroundMap]"
+    growths: "Future[list[list[LazyMesh]]]"
+    balls: "Future[Array]"  # `reef.coral.spheres`
+
+
+def bake_scene(scene: RenderScene) -> BakedScene:
+    """Compute it in a thread while another scene is drawn, which needs most of the time."""
+    with ThreadPoolExecutor(1) as pool:
+        return _baking(scene, pool)
+
+
+def _baking(scene: RenderScene, pool: ThreadPoolExecutor) -> BakedScene:
+    """Begin in the threads of a pool. numpy and compiled kernels release the GIL."""
+    bed = scene.terrain, scene.terrain_half_width_cm
+    solids = *bed, scene.pillars, scene.rocks, scene.water.hour
+    moving = (True,) if scene.water.day_minutes else ()
+
+    def balls() -> Array:
+        growths.result()  # first: both read the same forms
+        return cached(spheres, scene.reef)
+
+    growths = pool.submit(bake, scene.reef)
+    return BakedScene(
+        pool.submit(lambda: cached(overgrown, *solids, scene.reef, *moving)),
+        pool.submit(lambda: cached(surroundings, *solids, scene.reef, *moving)),
+        growths,
+        pool.submit(balls),
+    )
 
 
 class Renderer(GpuOwner):
@@ -54,11 +89,15 @@ class Renderer(GpuOwner):
         quality: Quality = PRESETS["medium"],
         page: Callable[[int], object] = lambda number: None,
         check: Callable[[], object] = lambda: None,
+        baked: BakedScene | None = None,
+        fishes: FishRenderer | None = None,
     ) -> None:
         """Upload a scene for packets whose views are those of `rig`.
 
         `page(0)` and `page(1)` select the left and right buffer of a window that has two. `check`
-        is called between steps, and may raise to stop.
+        is called between steps, and may raise to stop. `baked` is `bake_scene` of the scene, if
+        there was time before. `fishes` are those of another renderer (`give_fishes`), used again
+        if the scene has the same.
         """
         super().__init__()
         self._context = context
@@ -74,14 +113,9 @@ class Renderer(GpuOwner):
         self.waited_s = 0.0  # by the last picture, for the one before
         self.gpu_s = 0.0  # of the picture before the last: time of the GPU, 0 if unknown
         self.timer = GpuTimer(context)
-        # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
+        # Beside the calls of OpenGL.
         with ThreadPoolExecutor() as pool:
-            bed = scene.terrain, scene.terrain_half_width_cm
-            solids = *bed, scene.pillars, scene.rocks, scene.water.hour
-            moving = (True,) if scene.water.day_minutes else ()
-            stone = pool.submit(lambda: cached(overgrown, *solids, scene.reef, *moving))
-            ground = pool.submit(lambda: cached(surroundings, *solids, scene.reef, *moving))
-            growths = pool.submit(bake, scene.reef)
+            stone, ground, growths, balls = baked or _baking(scene, pool)
             self._caustics = self.own(repeating(context, near_and_far, 1))
             self._noise = self.own(repeating(context, noise, 2))
             self._shafts = self.own(LightShaftRenderer(context, quality))
@@ -95,11 +129,16 @@ class Renderer(GpuOwner):
             check()
             reach_cm = IN_SIGHT * scene.water.visibility_cm
             self._coral = self.own(
-                CoralRenderer(context, scene.reef, growths.result(), reach_cm, quality)
+                CoralRenderer(
+                    context, scene.reef, growths.result(), balls.result(), reach_cm, quality
+                )
             )
             self._seaweed = self.own(SeaweedRenderer(context, quality))
             check()
-            self._fishes = self.own(FishRenderer(context, scene, quality=quality))
+            if fishes is not None and not fishes.fits(scene):
+                fishes.release()
+                fishes = None
+            self._fishes = self.own(fishes or FishRenderer(context, scene, quality=quality))
         box = box_around([self._rocks, self._coral])
         self._sun = self.own(SunShadows(context, scene.water.hour, box))
         self._hook = self.own(HookRenderer(context, quality))
@@ -116,6 +155,10 @@ class Renderer(GpuOwner):
         self._second: ResolvePass | None = None
         self._make_target(rig, quality)
         self.adapt(quality)
+
+    def give_fishes(self) -> FishRenderer:
+        """Give up the fishes' part, for the next renderer; this one can only be released then."""
+        return self.disown(self._fishes)
 
     @property
     def size(self) -> tuple[int, int]:

@@ -258,10 +258,11 @@ def _rebuild(context: PanelContext, scenario: Scenario) -> None:
     try:
         with locate_errors(scenario, translated("The sea")):
             check_scenario(scenario)
+        changed = dive.change_world(scenario)
     except UserError as fault:
         dive.note(str(fault))
         return
-    if dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True):
+    if changed:
         alive = dive.world.state.fishes.alive
         context.chosen = chosen if chosen is not None and chosen < len(alive) else None
 

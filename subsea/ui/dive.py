@@ -21,8 +21,10 @@ from subsea.dive.settings import Command, Settings
 from subsea.dive.start import ready_world
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
+from subsea.frame.packet import make_scene
 from subsea.jobs.background import CancelledByUserError, run_in_background
 from subsea.media.screenshots import ScreenCapture, pictures_folder
+from subsea.rendering.renderer import BakedScene, bake_scene
 from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.shoals import find_fish, with_total
@@ -46,11 +48,12 @@ from subsea.ui.preferences import Preferences
 from subsea.ui.text_layer import TextLayer
 from subsea.ui.touch import TouchScreen
 from subsea.view.rig import front
-from subsea.world.build import create_world
+from subsea.world.build import check_placed, create_world
 from subsea.world.migrate import migrate
 from subsea.world.world import World
 
 BAR_S = 0.2  # between two pictures of the loading bar
+YIELD_S = 0.001  # between two frames while a world is made
 
 
 class Dive:
@@ -90,6 +93,8 @@ class Dive:
         self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading = True
+        self.changing = False  # True while the world's next state is made (`change_world`)
+        self._passed_s = 0.0  # seconds since the last frame that other frames have shown
         self.pictures = 0  # of the sea, shown so far
         self.faults = FaultLog()
         tour = options.tour or settings.attract.tour
@@ -213,39 +218,75 @@ class Dive:
         else:
             self.shots.wanted = True
 
-    def open_world(
-        self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
-    ) -> bool:
+    def open_world(self, scenario: Scenario, source: Path, seed: int | None = None) -> bool:
         """Replace the world by that of a scenario; False, with a note, if it has a fault.
 
-        `source` is the scenario's file. With `keep` the submarine and everything alive go on from
-        where they are (`world.migrate.migrate`), and so does time.
+        `source` is the scenario's file.
         """
-        before, ride, time = self.world, self.picture.ride, self.timeline
-        if not keep:
-            self.tick_source.change()
+        self.tick_source.change()
         try:
-            if keep:
-                world = create_world(scenario, seed, source=str(source))
-                migrate(before, world)
-                world.notices.clear()  # a panel says what a change of the scenario does
-            else:
-                world = self._load(scenario, source, seed)
+            world = self._load(scenario, source, seed)
         except UserError as fault:
             self.note_fault(str(fault))
             return False
+        self.source = source
+        self._replace(scenario, world)
+        return True
+
+    def change_world(self, scenario: Scenario) -> bool:
+        """Change the scenario of the world: the submarine and everything alive stay, and time.
+
+        The new world is made in a thread, and this one goes on until then, frame by frame. Call
+        it between two frames. Raises a UserError, without effect, for a fault of the scenario.
+        Returns False if the visitor left or opened another world meanwhile.
+        """
+        if self.changing:
+            return False
+        before, source, begun = self.world, str(self.source), time.perf_counter()
+        seed, last = before.state.seed, begun
+
+        def make(tell: Callable[[str], None]) -> tuple[World, BakedScene]:
+            check_placed(scenario, source, seed)
+            world = create_world(scenario, seed, source=source)
+            return world, bake_scene(make_scene(world))
+
+        def go_on(line: str | None) -> None:
+            nonlocal last
+            self._check()
+            now = time.perf_counter()
+            self.frame(now - last)
+            last = now
+            if not self.window_set.open or self.world is not before:
+                raise CancelledByUserError
+
+        self.changing = True
+        try:
+            world, baked = run_in_background(make, go_on, YIELD_S)
+        except CancelledByUserError:
+            return False
+        finally:
+            self.changing = False
+            self._passed_s += last - begun
+        migrate(before, world)
+        world.notices.clear()  # a panel says what a change of the scenario does
+        ride, timeline = self.picture.ride, self.timeline
+        self.picture.keep_fishes()
+        self._replace(scenario, world, baked)
+        if ride is not None and ride.by.fish < len(world.state.fishes.alive):
+            self.ride_fish(ride.by.fish)
+        if timeline is not None and self.timeline is not None:
+            self.timeline.run_at(timeline.rate)
+            self.timeline.paused = timeline.paused
+        return True
+
+    def _replace(self, scenario: Scenario, world: World, baked: BakedScene | None = None) -> None:
+        """Close the shown world, and show another one of a scenario."""
         self.photo.close()
         self.introduction.end()
         self.ride_fish(None)
         self._of_world.close()
-        self.scenario, self.source = scenario, source
-        self._show_world(world)
-        if keep and ride is not None and ride.by.fish < len(world.state.fishes.alive):
-            self.ride_fish(ride.by.fish)
-        if keep and time is not None and self.timeline is not None:
-            self.timeline.run_at(time.rate)
-            self.timeline.paused = time.paused
-        return True
+        self.scenario = scenario
+        self._show_world(world, baked=baked)
 
     def ride_fish(self, fish: int | None, behind: bool | None = None) -> None:
         """Ride a fish from now on; None: return to the submarine.
@@ -265,6 +306,7 @@ class Dive:
 
     def frame(self, elapsed_s: float) -> None:
         """One picture, `elapsed_s` after the last: events, due ticks, drawing, presenting."""
+        elapsed_s, self._passed_s = max(elapsed_s - self._passed_s, 0.0), 0.0
         try:
             self._frame(elapsed_s)
             for part in self.parts:
@@ -408,14 +450,15 @@ class Dive:
         return FirstPicture(scenario=source, shape=size[0] / size[1])
 
     def _show_world(
-        self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
-    ) -> None:
+        self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None,
+        baked: BakedScene | None = None,
+    ) -> None:  # fmt: skip
         """Draw and tick this world from now on, on a `tour` if one is named.
 
-        `check` is called while loading, and may raise.
+        `check` is called while loading, and may raise. `baked` is its scene, if there was time.
         """
         with ExitStack() as undo:
-            self.picture.open_world(world, check)
+            self.picture.open_world(world, check, baked)
             undo.callback(self.picture.close_world)
             for part in self.parts:
                 part.restore(world)

@@ -213,6 +213,7 @@ class Inspector(PanelContext):
         moved = self._arrange()
         self._mark_chosen()
         self._bar()
+        imgui.begin_disabled(self.dive.changing)
         self._draw_cards()
         imgui.push_font(None, _letters())
         for name in [name for name in PANELS if name in self.shown]:
@@ -230,6 +231,7 @@ class Inspector(PanelContext):
             if not stays:
                 self.shown.discard(name)
         imgui.pop_font()
+        imgui.end_disabled()
         if imgui.is_mouse_released(0) and not self.dive.gui.on_panel:
             dragged = imgui.get_mouse_drag_delta(0)
             if not (dragged.x or dragged.y or self.dragging):
@@ -375,6 +377,8 @@ class Inspector(PanelContext):
         """Run the calls that panels deferred to the end of the frame."""
         if self._changed and self.dive.timeline:
             self.dive.timeline.touch()
+        if self.dive.changing:
+            return  # until the new world is there
         waiting, self._changed, self._after_frame = self._after_frame, False, []
         for act in waiting:
             try:

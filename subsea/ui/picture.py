@@ -27,6 +27,7 @@ from subsea.dive.ride import (
 from subsea.frame.diagrams import DiagramBuilder, Label
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.media.exposure import Exposure
+from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.gl.id_buffer import FISH
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.rendering.output.quality import (
@@ -38,7 +39,7 @@ from subsea.rendering.output.quality import (
     first_rung,
     name_of,
 )
-from subsea.rendering.renderer import Renderer
+from subsea.rendering.renderer import BakedScene, Renderer
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
@@ -84,6 +85,7 @@ class ScenePicture:
         The rig is the `fixed` one, or that of the `head`, else that of the display mode.
         """
         self.display = display.mode if head or display.mode != HEADSET else "mono"
+        self._spare: FishRenderer | None = None  # between two worlds
         self.head = (
             head  # a display on the head, as `stage.headset.display.HeadsetDisplay`; or None
         )
@@ -113,11 +115,17 @@ class ScenePicture:
         self._take_rig()
         self._pace = adaptive_quality.start(first_rung(renderer), self.rig.exact)
 
-    def open_world(self, world: World, check: Callable[[], object] = lambda: None) -> None:
+    def open_world(
+        self,
+        world: World,
+        check: Callable[[], object] = lambda: None,
+        baked: BakedScene | None = None,
+    ) -> None:
         """Draw this world from now on; `close_world` ended the one before.
 
-        `check` is called while loading, and may raise.
+        `check` is called while loading, and may raise. `baked` is its scene, if there was time.
         """
+        fishes, self._spare = self._spare, None
         try:
             self.renderer = Renderer(
                 self._context,
@@ -126,6 +134,8 @@ class ScenePicture:
                 self._chosen(),
                 self._window_set.page,
                 check,
+                baked,
+                fishes,
             )
         except BaseException as fault:
             # Release objects while the context exists: later it would crash.
@@ -141,6 +151,10 @@ class ScenePicture:
     def close_world(self) -> None:
         """Release the world's renderer."""
         self.renderer.release()
+
+    def keep_fishes(self) -> None:
+        """Keep the fishes' part of the renderer for the next world; call it before closing."""
+        self._spare = self.renderer.give_fishes()
 
     def jump(self) -> None:
         """Reset fades before a picture from another place or time."""

@@ -7,6 +7,7 @@ in one uniform block, and each instance has the index of its species.
 from functools import cache
 from itertools import accumulate
 from math import cos, radians, sin
+from operator import is_
 from typing import Any, NamedTuple
 
 import moderngl
@@ -75,6 +76,7 @@ class FishRenderer(GpuOwner):
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()
         self._context = context
+        self._of = scene.species, scene.recorded_length_cm, scene.control_points
         self._table = self.own(table(context, row_table(scene.control_points)))
         self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
         self._skins = self.own(
@@ -110,6 +112,15 @@ class FishRenderer(GpuOwner):
         plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
         self._cold = {self._made(own, quality.defines): len(triangles) - 1 for own in plain}
         self._cold[self._made(SPECK, quality.defines)] = self._speck_triangles
+
+    def fits(self, scene: RenderScene) -> bool:
+        """True if a scene has the same species and recorded motion."""
+        species, lengths, points = self._of
+        same = len(species) == len(scene.species) and all(map(is_, species, scene.species))
+        same = same and lengths == scene.recorded_length_cm
+        return same and (
+            points is scene.control_points or np.array_equal(points, scene.control_points)
+        )
 
     def upload(self, packet: Packet) -> None:
         """Upload the instances, and the control points of simulated fishes."""

@@ -96,6 +96,11 @@ class GpuOwner:
         self._owned.append(made)
         return made
 
+    def disown(self, part: T) -> T:
+        """Give up an owned object, which somebody else owns from now on, and return it."""
+        self._owned = [owned for owned in self._owned if owned is not part]
+        return part
+
     def own_buffers(self, context: Any, *parts: Any) -> list[Any]:
         """Upload arrays to buffers, one each."""
         return [self.own(context.buffer(np.ascontiguousarray(part))) for part in parts]

@@ -1,12 +1,12 @@
 """Drawing corals, sponges and anemones: meshes in place, size, colours and texture of a growth."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array, Bools
-from subsea.base.disk_cache import cached
 from subsea.habitat.reef import KINDS, MOUND
 from subsea.habitat.terrain import variant_of
 from subsea.rendering.gl.id_buffer import CORAL, object_id
@@ -222,14 +222,14 @@ class CoralRenderer(StaticBatch):
         context: Any,
         reef: Reef,
         growths: list[list[LazyMesh]],
+        balls: Array,
         reach_cm: float,
         quality: Quality,
     ) -> None:
-        """Upload the `growths` of `bake`; `reach_cm` is the visibility."""
+        """Upload the `growths` of `bake` in their `spheres`; `reach_cm` is the visibility."""
         programs = ProgramVariants(
             context, "coral", lambda: object_id(CORAL, self.owners), quality.defines
         )
-        balls = cached(spheres, reef)
         super().__init__(programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, balls)
         # Mounds are always drawn: other growths stand on them.
         self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
@@ -245,6 +245,13 @@ class CoralRenderer(StaticBatch):
 
 def bake(reef: Reef) -> list[list[LazyMesh]]:
     """The meshes of all growths, level by level."""
+    return _baked(reef, PlacedGrowths.vertices)
+
+
+def _baked(
+    reef: Reef, columns: "Callable[[PlacedGrowths, CoralMesh, int], Array]"
+) -> list[list[LazyMesh]]:
+    """The meshes of all growths, with these columns of vertices."""
     shapes: list[list[LazyMesh]] = [[] for _ in reef.kind]
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
@@ -256,7 +263,7 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
         for number, k in enumerate(chosen.tolist()):
             # No eye comes near enough to a small one to need the finest level.
             shapes[k] = [
-                LazyMesh(partial(placed.vertices, mesh, number), len(mesh.tip), mesh.triangles)
+                LazyMesh(partial(columns, placed, mesh, number), len(mesh.tip), mesh.triangles)
                 for mesh in levels[int(reef.radius[k] < FINEST_CM) :]
             ]
     return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
@@ -264,7 +271,7 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
 
 def spheres(reef: Reef) -> Array:
     """The bounding spheres (k, 4) of all growths."""
-    return bounding_spheres(bake(reef))
+    return bounding_spheres(_baked(reef, PlacedGrowths.places))
 
 
 class PlacedGrowths:
@@ -290,6 +297,10 @@ class PlacedGrowths:
         self.place, self.radius, self.own = reef.place, reef.radius, reef.own
         self.light = SHADED + (1.0 - SHADED) * reef.light
 
+    def places(self, mesh: CoralMesh, k: int) -> Array:
+        """Places (n, 3) of the vertices of growth k, cm."""
+        return np.asarray(mesh.place @ self.axes[k] + self.place[k])
+
     def vertices(self, mesh: CoralMesh, k: int) -> Array:
         """Vertices (n, COLUMNS) of growth k in world coordinates and its own colours."""
         tip, size, look = mesh.tip, self.radius[k], self.look
@@ -297,8 +308,7 @@ class PlacedGrowths:
         normal *= (127.5 / np.sqrt(np.einsum("ni,ni->n", normal, normal)))[:, None]
         body, tips = self.body[k], self.tips[k]
         out = np.empty((len(tip), COLUMNS), np.float32)
-        np.matmul(mesh.place, self.axes[k], out=out[:, :3])
-        out[:, :3] += self.place[k]
+        out[:, :3] = self.places(mesh, k)
         words = out.view(np.uint8)
         words[..., 12:15] = normal + 128.0
         most = 255.0 * look.sway_cm / 30.0 / MOST_SWAY_CM

@@ -6,12 +6,13 @@ The surface is where `habitat.formations.drawn_distance` is 0, inside of what fi
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.base.disk_cache import cache_name, remembered
 from subsea.frame.packet import RenderScene
 from subsea.geometry.noise import fractal
 from subsea.geometry.solids import from_pillar, from_rock
@@ -45,13 +46,17 @@ from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
 from subsea.rendering.gl.textures import Texels, in_bytes, relief, repeating
 from subsea.rendering.output.quality import Quality
 from subsea.rendering.reef.coral_mesh import surface_net
-from subsea.rendering.sea.seabed import drawn_height
+from subsea.rendering.sea.seabed import drawn_height, terrain_within
 from subsea.state import Reef
 from subsea.view.culling import IN_SIGHT
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 
+# Lowest and highest corner (3,) of a box, cm -> all that the height of the seabed in it depends on.
+Ground = Callable[[Array, Array], object]
+
 LEVELS = 3
+BESIDE_CM = 100.0  # about a formation, more than any vertex lies outside its box
 COARSE = 2 ** (LEVELS - 1)  # finest cells along a coarsest one
 BURIED_CM = 20.0  # depth of meshes below the sand
 CELLS = 46.0  # along the longest side of a formation, at the finest level
@@ -67,20 +72,34 @@ SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
 
 
 def shapes(
-    formations: list[Array], floor: Floor, sun: Vector = SUN, suns: Array = NO_SUNS
+    formations: list[Array],
+    floor: Floor,
+    sun: Vector = SUN,
+    suns: Array = NO_SUNS,
+    ground: Ground | None = None,
 ) -> list[list[StaticMesh]]:
     """The levels of each formation, finest first.
 
     `sun` is the direction toward the sun. Each of `suns` (s, 3) has one more column of vertices.
+    `ground` tells what the floor about a formation depends on. With it, only formations that differ
+    from those of earlier calls are shaped.
     """
     ways = np.concatenate([np.array([sun]), suns])
     # Kernels and numpy release the GIL.
     with ThreadPoolExecutor() as pool:
-        shades = list(pool.map(shade_of, formations))
+        shade = cache(lambda k: shade_of(formations[k]))
 
         def levels(number: int) -> list[StaticMesh]:
-            near = [shades[k] for k in _neighbours(formations, number)]
-            return _levels(formations[number], near, floor, ways)
+            own, near = formations[number], _neighbours(formations, number)
+
+            def make() -> list[StaticMesh]:
+                return _levels(own, [shade(k) for k in near], floor, ways)
+
+            if ground is None:
+                return make()
+            low, high = box_of(own)
+            about = [formations[k] for k in near], ground(low - BESIDE_CM, high + BESIDE_CM)
+            return remembered(cache_name(_levels, *about, ways), make)
 
         shaped = list(pool.map(levels, range(len(formations))))
     # A stone deep in the sand has no triangles.
@@ -265,7 +284,8 @@ def pieces(
     """
     floor = partial(drawn_height, terrain, half_width_cm)
     blocks, sun = formations(pillars, rocks), sun_at(hour)[0]
-    shaped = shapes(blocks, floor, sun, suns_of_day(moving))
+    ground = partial(terrain_within, terrain, half_width_cm)
+    shaped = shapes(blocks, floor, sun, suns_of_day(moving), ground)
     return [piece for levels in shaped for piece in cut(levels)]
 
 

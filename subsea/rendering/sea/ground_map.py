@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bytes
+from subsea.base.disk_cache import cache_name, remembered
 from subsea.geometry.noise import fractal
 from subsea.geometry.vector import Vector, vector
 from subsea.habitat.stone import (
@@ -80,7 +81,9 @@ def ground_map(
         places = np.stack([across, down, floor(across, down)], axis=-1).reshape(-1, 3)
         gap = np.maximum(np.maximum(box[0] - places[:, :2], places[:, :2] - box[1]), 0.0)
         fade = np.clip(2.0 - 2.1 * np.hypot(*gap.T) / REACH_CM, 0.0, 1.0)
-        found = _light(shade_of(blocks), places, fade, ways)
+        # So that an edit lights only the sand about the stones that it moves.
+        name = cache_name(_light, blocks, places, fade, ways)
+        found = remembered(name, lambda: _light(shade_of(blocks), places, fade, ways))
         return part, found.reshape(*across.shape, -1)
 
     with ThreadPoolExecutor() as pool:

@@ -259,6 +259,20 @@ def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array
     return np.asarray(np.where(u + v <= 1.0, near, far))
 
 
+def terrain_within(
+    heights: Array, half_width: float, low: Array, high: Array
+) -> tuple[list[int], Array]:
+    """The part of `heights` that `drawn_height` reads within a box, and its first row and column.
+
+    `low` and `high` are corners of the box, cm; their third coordinates are not used.
+    """
+    last = len(heights) - 1
+    scale = last / (2 * half_width)
+    first = np.clip(np.floor((low[:2] + half_width) * scale), 0, last - 1).astype(int)
+    end = np.clip(np.floor((high[:2] + half_width) * scale), 0, last - 1).astype(int) + 2
+    return first.tolist(), heights[first[1] : end[1], first[0] : end[0]].copy()
+
+
 def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
     """Positions (m, m, 3), cm, and slopes (m, m, 2) with an apron; m - 1 divides by CELLS."""
     before = CELLS

@@ -9,6 +9,7 @@ import numpy as np
 from imgui_bundle import imgui
 from msgspec.structs import replace
 
+from subsea.base.errors import UserError
 from subsea.scenario.schema import MAX_SIMULATED
 from subsea.state import Physics
 from subsea.ui.gui import CLAMP, MARK, QUIET, button, colour
@@ -84,7 +85,11 @@ def simulate(context: PanelContext, most: int) -> bool:
     if most == len(dive.world.state.live.fish):
         return True
     scenario, chosen = replace(dive.scenario, simulated=most), context.chosen
-    entered = dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True)
+    try:
+        entered = dive.change_world(scenario)
+    except UserError as fault:
+        dive.note_fault(str(fault))
+        return False
     context.chosen = chosen if entered else context.chosen
     return entered
 

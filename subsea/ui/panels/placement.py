@@ -1,7 +1,7 @@
 """Placement (Tu §9.1): positions of things, by dragging in the view or by numbers.
 
 While it is open, a click in the sea chooses the thing under the pointer, and a drag moves it; then
-the world is rebuilt around the submarine.
+a new world is made, and this one goes on until that is there.
 """
 
 import math
@@ -25,7 +25,6 @@ from subsea.ui.panels.fields import Area, PanelContext
 from subsea.ui.undo import History
 from subsea.view.front_screen import FrontView
 from subsea.world import placement
-from subsea.world.build import check_placed
 from subsea.world.checks import check_in_sea, tour_fault, with_solids
 from subsea.world.placement import Grip, Handle
 from subsea.world.world import World
@@ -34,7 +33,7 @@ AWAY = "Move things away from its line, or give it another one later."
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
 BIGGER, TURN_DEG = 1.08, 5.0  # of a step of the wheel
 HIGHER = 3.0  # a drag over the height of the screen scales by exp(HIGHER)
-REST_S = 0.5  # from the wheel's last step until the world is rebuilt
+REST_S = 0.5  # from the wheel's last step until the world changes
 NEAR_CM = 60.0  # nearer things are not picked: the eye is inside
 
 
@@ -96,11 +95,13 @@ class PlacementState:
 def panel(context: PanelContext) -> None:
     """Draw the panel, and drag things in the sea."""
     placing, dive = context.state(PlacementState), context.dive
-    if placing.history is None or placing.history.present is not dive.scenario:
+    if placing.history is None or (
+        placing.history.present is not dive.scenario and not dive.changing
+    ):
         placing.history, placing.chosen = History(dive.scenario), None
         placing.reset_trial()
     frame = imgui.get_frame_count()
-    if frame > placing.frame + 1:  # the panel was hidden during a drag
+    if frame > placing.frame + 1 and not dive.changing:  # the panel was hidden during a drag
         placing.reset_trial()
     placing.frame = frame
     sea, scenario = dive.world.state.sea, placing.trial or dive.scenario
@@ -148,7 +149,10 @@ def apply_placement(context: PanelContext, scenario: Scenario) -> bool:
     placing.message = ""
     if scenario == dive.scenario:
         return True
-    if not _enter(context, scenario):
+    placing.trial = scenario  # shown in lines until its world is there
+    entered = _enter(context, scenario)
+    placing.reset_trial()
+    if not entered:
         return False
     assert placing.history is not None
     placing.history.do(dive.scenario)
@@ -171,15 +175,13 @@ def undo(context: PanelContext, forth: bool = False) -> bool:
 def _enter(context: PanelContext, scenario: Scenario) -> bool:
     placing, dive = context.state(PlacementState), context.dive
     try:
-        check_placed(scenario, str(dive.source), dive.world.state.seed)
+        entered = dive.change_world(scenario)
     except UserError as fault:
         placing.message = str(fault)
         dive.note(placing.message)
         return False
-    if not dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True):
-        return False
     placing.message = ""
-    return True
+    return entered
 
 
 def _list(placing: PlacementState, scenario: Scenario, things: list[Handle]) -> None:
@@ -284,6 +286,8 @@ def _drag(
     dive, io = context.dive, imgui.get_io()
     sea, source, pointer = dive.world.state.sea, str(dive.source), dive.gui.pointer
     over = None
+    if dive.changing:
+        return over
     if placing.held is None and not dive.gui.on_panel:
         over = placement.pick(things, sea, *front_view.ray(*pointer))
         if imgui.is_mouse_clicked(0) and over is not None:

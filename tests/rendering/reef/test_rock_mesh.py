@@ -1,13 +1,16 @@
 """Shapes of formations: inside what fishes avoid, closed above the sand, correctly lit."""
 
+from collections import OrderedDict
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from subsea.base import disk_cache
 from subsea.habitat.contact import clearances
 from subsea.habitat.formations import RELIEF_CM, SHELL_CM, formations
 from subsea.habitat.rocks import arch
+from subsea.rendering.reef import rocks
 from subsea.rendering.reef.rocks import (
     ABOVE,
     BURIED_CM,
@@ -130,3 +133,38 @@ def test_a_stone_however_thin_is_there_at_every_level(axes):
 def test_a_stone_under_the_sand_is_not_drawn():
     rows = np.array([[0.0, 0.0, floor(0, 0) - 200.0, 20.0, 20.0, 20.0, 0.0]])
     assert shapes(formations(NO_PILLARS, rows), floor) == []
+
+
+def test_after_an_edit_only_the_stone_that_moved_is_shaped_again(monkeypatch):
+    """With the same bits as without a memory."""
+    far = [(900.0 * k, 0.0, -285.0, 40.0, 30.0, 28.0 + k, 0.5) for k in (-1, 0, 1)]
+    before = np.array(far)
+    after = before.copy()
+    after[2, :2] += (31.0, -17.0)
+    bed = np.full((61, 61), -300.0, np.float32), 1500.0
+    drifted = bed[0].copy()
+    drifted[30:32, 48:50] += 4.0  # sand about the third stone
+    shaped = []
+
+    def counted(*given):
+        shaped.append(given[0])
+        return make(*given)
+
+    make = rocks._levels
+    monkeypatch.setattr(disk_cache, "_remembered", OrderedDict())
+    monkeypatch.setattr(rocks, "_levels", counted)
+    rocks.pieces(*bed, NO_PILLARS, before, 12.0)
+    assert len(shaped) == 3
+    rocks.pieces(*bed, NO_PILLARS, before, 12.0)
+    assert len(shaped) == 3
+    moved = rocks.pieces(*bed, NO_PILLARS, after, 12.0)
+    assert len(shaped) == 4
+    monkeypatch.setattr(disk_cache, "_remembered", OrderedDict())
+    alone = rocks.pieces(*bed, NO_PILLARS, after, 12.0)
+    for levels, others in zip(moved, alone, strict=True):
+        for mesh, other in zip(levels, others, strict=True):
+            np.testing.assert_array_equal(mesh.vertices, other.vertices)
+            np.testing.assert_array_equal(mesh.triangles, other.triangles)
+    number = len(shaped)
+    rocks.pieces(drifted, bed[1], NO_PILLARS, after, 12.0)
+    assert len(shaped) == number + 1

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from contextlib import closing
+from threading import Event
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from msgspec.structs import replace
 
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import TourTable, Waypoint
+from subsea.ui import dive as ui_dive
 from subsea.ui.dive import Dive
 from subsea.ui.panels import initialisation
 from subsea.ui.panels.placement import REFUSED, PlacementState, apply_placement
@@ -192,6 +194,42 @@ def test_the_wheel_resizes_and_with_ctrl_turns(lagoon, user):
     drag(lagoon, user, on_screen(lagoon, "rock"), (0, -20), (0, -40))
     user.do("keyup", "shift")
     user.until(lagoon, lambda: lagoon.scenario.rock[0].size_cm[2] > 1.1 * high)
+
+
+def test_the_sea_goes_on_until_the_changed_one_is_there(lagoon, monkeypatch):
+    """Only then it is replaced, and what did not change is not made again."""
+    before, ticks, tries = lagoon.world, [], []
+    fishes = lagoon.picture.renderer._fishes
+    pillar = lagoon.scenario.pillar[0]
+    x, y = pillar.position_cm
+    moved = replace(lagoon.scenario, pillar=[replace(pillar, position_cm=(x + 23.0, y + 9.0))])
+    making, go_on = ui_dive.create_world, Event()
+
+    def slow(*given, **named):
+        assert go_on.wait(60.0)
+        return making(*given, **named)
+
+    def advance(elapsed_s):
+        alpha = ahead(elapsed_s)
+        ticks.append(before.state.tick)
+        if len(ticks) == 5:
+            tries.append(lagoon.change_world(lagoon.scenario))
+        if len(ticks) == 30:
+            go_on.set()
+        return alpha
+
+    ahead = lagoon.tick_source.advance
+    monkeypatch.setattr(ui_dive, "create_world", slow)
+    monkeypatch.setattr(lagoon.tick_source, "advance", advance)
+    start = before.state.tick
+    assert apply_placement(lagoon.inspector, moved)
+    assert tries == [False]  # one change at a time
+    assert len(ticks) >= 30 and ticks[-1] > start
+    assert lagoon.world is not before and lagoon.world.state.tick == ticks[-1]
+    assert np.array_equal(lagoon.world.state.fishes.position, before.state.fishes.position)
+    assert lagoon.picture.renderer._fishes is fishes
+    assert lagoon.scenario == moved
+    lagoon.frame(0.1)
 
 
 def test_a_tour_that_no_longer_fits_is_no_error_of_a_move(lagoon, user, capsys):
