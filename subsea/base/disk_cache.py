@@ -131,8 +131,8 @@ def _report(folder: Path) -> None:
     say(f"no cache, so starts take longer: {folder} must be yours, and nobody else may write there")
 
 
-def cache_name(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:
-    """The name of a result, unique for its code and arguments."""
+def cache_name(make: Callable[..., object], *given: object, **named: object) -> str:
+    """The name of a result, unique for its code and all that it depends on."""
     code = source_stamp(Path(make.__code__.co_filename).resolve())
     about = io.BytesIO()
     pickler = pickle.Pickler(about)
