@@ -43,7 +43,7 @@ from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
 
 class BakedScene(NamedTuple):
-    """What a renderer needs of a scene and what no OpenGL computes; it takes seconds."""
+    """The slow parts of a scene for a renderer that need no OpenGL: they take seconds to make."""
 
     stone: "Future[list[list[StaticMesh]]]"
     ground: "Future[GroundMap]"
