@@ -8,6 +8,10 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.dive.camera_way import beside, nearer
+from subsea.geometry.rotation import matrix
+from subsea.geometry.solids import height_at
+from subsea.geometry.vector import vector
+from subsea.habitat.contact import clearance
 from subsea.state import (
     APPROACHING,
     CIRCLING,
@@ -43,17 +47,20 @@ HUNT_CM = 900.0  # and of a hunter: farther ones are specks, and outrun the subm
 SHOAL_S, FISH_S, FEW = 20.0, 40.0, 6
 FISH_CM, LARGE_CM = 700.0, 26.0  # largest distance of a large fish, and least length
 BEHIND = 1.5  # the larger, the less does it matter where a large fish is in the picture
+AWAY = 0.25  # weight of the way to a large fish beside the distance that it is seen from
+FASTEST = 2.0  # lengths a second of a fish that is framed easily
+HIDES_CM = 25.0  # nearer to the ground a fish is hidden by growth, and out of the hull's reach
+BAIT_CM = 120.0  # largest distance of a fish from a hook to be shown with it
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
-SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 110.0, 80.0, 56.0, 600.0
+SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 110.0, 80.0, 66.0, 600.0
 # Framing. A picture is about 1.85 times as wide as its subject is far away, and 1.04 times as high.
 GATHERED, SHIFTS = 0.2, 3  # reach of a shoal over the visibility, and steps to find its middle
 MOST = 0.8  # share of those gathered within its width
-FILLED, FAR = 1.5, 0.45  # distance of a shoal over its width; at most, over the visibility
+FILLED, FAR = 1.8, 0.45  # distance of a shoal over its width; at most, over the visibility
 PORTRAIT = 1.15  # distance of one fish over its length: from the side half of the width
-TOGETHER = 3.0  # L: farther apart than this, only the first of two fishes is framed
-LEAD, LEAD_CM_S = 0.12, 12.0  # room before a moving shoal over its distance; a brisk speed
-LOW = 0.05  # how far below a shoal the view aims, over its distance: the sea floor is seen
+TOGETHER = 1.2  # L: farther apart than this, only the first of two fishes is framed
+LEAD, LEAD_CM_S = 0.05, 12.0  # room before a moving shoal over its distance; a brisk speed
 # The view is from the side that a swimming fish shows, and a little from ahead.
 SIDE, AHEAD = 1.5, 0.5  # weights beside that of the present bearing
 TURN, FREE = 0.4, 0.8  # rad from ahead of it, and more for each distance that it is farther away
@@ -63,6 +70,7 @@ GAZE_LAG_S = 2.0 / GAZE  # of the critically damped gaze behind a steady turn
 NEARER, NEARER_S = 0.12, 31.0
 ASIDE_RAD, ASIDE_S = 0.20, 23.0
 ABOVE, ABOVE_S = 0.22, 17.0
+FLAT = 0.6  # slope of the view down on a ray: from the side it is a line
 
 
 Steer = Callable[[World], Helm | Rail]  # called once a tick; returns the command to the submarine
@@ -84,8 +92,8 @@ def steer_along(world: World, course: Course | None) -> Steer:
 class Subject(NamedTuple):
     """The subject of a tour: a kind from HOOK to SHOAL, and its members.
 
-    Members of a hook: its catch, if any; of a hunt: hunter and prey; of a pair: male and female;
-    of a large fish: itself; of a shoal: its species and number of living fishes.
+    Members of a hook: its catch or a fish nearby, if any; of a hunt: hunter and prey; of a pair:
+    male and female; of a large fish: itself; of a shoal: its species and number of living fishes.
     """
 
     kind: int
@@ -140,13 +148,19 @@ class Tour:
         boat, target, going = world.state.submarine, self.aim[:3], self._rate[:3]
         far = max(self.aim[3] * (1.0 - NEARER * _swing(now, NEARER_S)), NEAREST_CM)
         away = boat.position - target
-        bearing = _side(away, going) + ASIDE_RAD * _swing(now, ASIDE_S)
+        shown, slope = going, 0.0
+        if self.subject and self.subject.kind == FISH:
+            fish = self.subject.members[0]
+            shown = going + LEAD_CM_S * matrix(world.state.fishes.orientation[fish])[:, 0]
+            high, wide = world.state.fishes.girth[fish]
+            slope = FLAT if wide > 2.0 * high else 0.0
+        bearing = _side(away, shown) + ASIDE_RAD * _swing(now, ASIDE_S)
         # It turns slowly: near its subject it moves so that it sees it ahead.
         most = TURN + FREE * max(float(np.linalg.norm(away)) / far - 1.0, 0.0)
         back = float(boat.angles[0]) + math.pi
         bearing = back + _within(math.remainder(bearing - back, math.tau), -most, most)
         way = np.array([math.cos(bearing), math.sin(bearing), 0.0])
-        place = beside(world, target, way, ABOVE * _swing(now, ABOVE_S), far)
+        place = beside(world, target, way, slope + ABOVE * _swing(now, ABOVE_S), far)
         going = going * min(1.0, AHEAD_CM_S / max(float(np.linalg.norm(going)), 1e-6))
         place, velocity = nearer(world, place, going, 0.0)
         # The gaze lags: look where the subject will be.
@@ -179,6 +193,8 @@ def _subjects(world: World, present: Subject | None, now: float) -> list[Subject
     found = []
     state, catch = (int(value) for value in sea.catch)
     if SINKING <= state <= HOOKED and sea.hook[2] < -DIPPED_CM:
+        if catch < 0:
+            catch = _at_hook(world, present)
         found.append(Subject(HOOK, (catch,) if catch >= 0 else ()))
     away = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
     lead = present.members[0] if present and present.kind in (HUNT, PAIR, FISH) else NOBODY
@@ -209,20 +225,46 @@ def _subjects(world: World, present: Subject | None, now: float) -> list[Subject
     sight = world.scenario.water.visibility_cm
     large = fishes.alive & (away < (sight if few else min(sight, FISH_CM)))
     large &= fishes.length > (0.0 if few else LARGE_CM)
+    large[large] = [_open(world, int(fish)) for fish in np.flatnonzero(large)]
     if not large.any() or (not few and now % (SHOAL_S + FISH_S) < SHOAL_S):
         return [*found, shoal]
-    # Seen as large as possible, if it is reached and in the picture soon.
-    boat = world.state.submarine
-    gaze = (fishes.position - boat.position) @ hull_axes(*boat.angles)[0]
-    size = np.where(large, fishes.length / np.maximum(away, 3.0 * NEAREST_CM), 0.0)
-    size *= BEHIND + gaze / np.maximum(away, 1.0)
-    return [*found, Subject(FISH, (int(size.argmax()),))]
+    who = np.flatnonzero(large)
+    return [*found, Subject(FISH, (int(who[_shown(world, who, away[who], lead).argmax()]),))]
+
+
+def _shown(world: World, who: Ints, away: Array, lead: int) -> Array:
+    """How well large fishes (n,) can be shown: large in the picture, soon, calm, ahead."""
+    fishes, boat = world.state.fishes, world.state.submarine
+    places, length = fishes.position[who].astype(np.float64), fishes.length[who]
+    far = np.maximum(PORTRAIT * length, NEAREST_CM)
+    size = length / (far + AWAY * np.maximum(away - far, 0.0))
+    speed = np.linalg.norm(fishes.velocity[who], axis=1)
+    size = size / (1.0 + (speed / np.minimum(FASTEST * length, AHEAD_CM_S)) ** 2)
+    gaze = (places - boat.position) @ hull_axes(*boat.angles)[0]
+    return size * (BEHIND + gaze / np.maximum(away, 1.0)) * np.where(who == lead, 1.0 / FAITH, 1.0)
+
+
+def _open(world: World, fish: int) -> bool:
+    """True if a fish swims clear of stone and ground."""
+    sea, place = world.state.sea, vector(world.state.fishes.position[fish])
+    over = place[2] - height_at(sea.floor, sea.half_width, place[0], place[1])
+    return bool(min(over, clearance(sea.pillars, sea.rocks, place)) > HIDES_CM)
+
+
+def _at_hook(world: World, present: Subject | None) -> int:
+    """The largest fish near the hook, the present one preferred; or NOBODY."""
+    fishes, size = world.state.fishes, world.state.fishes.length.copy()
+    size[~fishes.alive] = 0.0
+    size[np.linalg.norm(fishes.position - world.state.sea.hook, axis=1) > BAIT_CM] = 0.0
+    if present and present.kind == HOOK and present.members:
+        size[present.members[0]] /= FAITH
+    return int(size.argmax()) if size.max() > 0.0 else NOBODY
 
 
 def _aim(world: World, subject: Subject) -> tuple[Array, Array]:
     """The place of a subject with the distance to look from (4,), cm, and its velocity (3,)."""
     fishes = world.state.fishes
-    if subject.kind == HOOK:
+    if subject.kind == HOOK and not subject.members:
         return np.array([*world.state.sea.hook, HOOK_CM]), np.zeros(3)
     if subject.kind == SHOAL:
         shoal = fishes.species == subject.members[0]
@@ -232,11 +274,16 @@ def _aim(world: World, subject: Subject) -> tuple[Array, Array]:
         return _gathered(world, np.flatnonzero(living if living.any() else shoal))
     members = list(subject.members)
     places = fishes.position[members].astype(np.float64)
+    if subject.kind == HOOK:
+        places = np.array([*places, world.state.sea.hook])
     going = _moved(world, np.array(members))
     longest = float(fishes.length[members].max())
     reach = 0.5 * (places[-1] - places[0])  # none of a single fish
     share = _faded(4.0 * float(np.linalg.norm(reach)) / (TOGETHER * longest) - 1.0)
-    far = PORTRAIT * longest + share * float(np.linalg.norm(reach))
+    both = float(fishes.length[members[0]])
+    if len(members) > 1:
+        both += share * float(fishes.length[members[1]])
+    far = PORTRAIT * both + share * float(np.linalg.norm(reach))
     middle, velocity = places[0] + share * reach, going[0] + 0.5 * share * (going[-1] - going[0])
     return np.array([*middle, _within(far, NEAREST_CM, FARTHEST_CM)]), velocity
 
@@ -251,7 +298,7 @@ def _moved(world: World, who: Ints) -> Array:
 def _gathered(world: World, shoal: Ints) -> tuple[Array, Array]:
     """The place of the part of a shoal that is gathered nearby, with the distance; its velocity.
 
-    Fishes that swim on are at a third of the picture, with room before them.
+    Fishes that swim on have some more room before them than behind.
     """
     fishes, eye = world.state.fishes, world.state.submarine.position
     sight = world.scenario.water.visibility_cm
@@ -268,8 +315,7 @@ def _gathered(world: World, shoal: Ints) -> tuple[Array, Array]:
     lead = LEAD * distance * going / max(float(np.linalg.norm(going)), LEAD_CM_S)
     ahead = (middle - eye) / max(float(np.linalg.norm(middle - eye)), 1e-6)
     lead -= (lead @ ahead) * ahead  # across the picture
-    x, y, z = middle + lead * (1.0, 1.0, 0.3)
-    return np.array([x, y, z - LOW * distance, distance]), going
+    return np.array([*(middle + lead * (1.0, 1.0, 0.3)), distance]), going
 
 
 def _faded(share: float) -> float:

@@ -142,7 +142,7 @@ def test_the_autopilot_frames_hunter_and_prey_and_the_hunter_while_they_are_far_
     fishes.length[[2, 3]] = 100.0, 15.0
     hunt(world, 2, 3)
     tour = Tour()
-    fishes.position[3] = fishes.position[2] + np.float32([90.0, 0.0, 20.0])
+    fishes.position[3] = fishes.position[2] + np.float32([50.0, 0.0, 20.0])
     near = ask(world, tour)[-1]
     np.testing.assert_allclose(near[:3], fishes.position[[2, 3]].mean(axis=0), atol=1e-3)
     assert near[3] > PORTRAIT * 100.0
@@ -212,6 +212,7 @@ def test_it_swims_along_at_the_side_of_a_fish(world, heading):
     ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
     fishes.position[1] = (0.0, 0.0, -250.0) - 400.0 * ahead
     boat.position[:] = -200.0 * ahead + (0.0, 0.0, -250.0)
+    fishes.orientation[1] = math.cos(heading / 2.0), 0.0, 0.0, math.sin(heading / 2.0)
     seen = []
     for k in range(round(16.0 / TICK_S)):
         fishes.previous_position[1] = fishes.position[1]
