@@ -15,7 +15,7 @@ from subsea.world.world import TICK_S, World
 STEP = 0.1  # of the volume
 SCORE_ON, SCORE_OFF = marked("score on"), marked("score off")
 CAPTION_S = 6.0  # until a caption of the same sound may return
-SAME_S = 20.0  # until one of a sound that leads may return unchanged
+SAME_S = 20.0  # until one of a sound that leads may return as near or far as before
 BETWEEN_S = 2.0  # from one caption to the next
 
 
@@ -126,13 +126,13 @@ class LiveSound:
         if now - self._said.get("", -BETWEEN_S) < BETWEEN_S:
             return
         for sound in sorted(moment.words, key=lambda one: (not one.leads, -one.level)):
-            text = caption_of(sound)
             if now - self._said.get(sound.words, -CAPTION_S) < CAPTION_S:
                 continue
-            if sound.leads and now - self._said.get(text, -SAME_S) < SAME_S:
+            leads = f"{sound.words}, {nearness_of(sound.away)}" if sound.leads else sound.words
+            if sound.leads and now - self._said.get(leads, -SAME_S) < SAME_S:
                 continue
-            self._said[sound.words] = self._said[text] = self._said[""] = now
-            self._note(text)
+            self._said[sound.words] = self._said[leads] = self._said[""] = now
+            self._note(caption_of(sound))
             return
 
 

@@ -188,7 +188,8 @@ BEHAVIORS = {
         _intends(SHELTER),
     ),
     "visit": SeenBehavior(
-        marked("A visit"), marked("Stop, and let a curious fish come to you."), _visits
+        marked("A fish that visits you"), marked("Stop, and let a curious fish come to you."),
+        _visits,
     ),
 }  # fmt: skip
 """Behaviors in the order of the logbook."""

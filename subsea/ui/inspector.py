@@ -273,7 +273,7 @@ class Inspector(PanelContext):
         imgui.pop_font()
 
     def _fit_cards(self, names: list[str]) -> None:
-        """Make the letters of cards smaller while cards cover one another, to the usual size."""
+        """Shrink the letters while cards cover one another, to the usual size at least."""
         screen, text = imgui.get_io().display_size, look().text
         about = screen.x, screen.y, text, names
         if about != self._fit_about:

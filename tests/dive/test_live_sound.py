@@ -88,7 +88,7 @@ def moment(tick, *heard):
     return Moment(tick, 1, np.zeros((0, 10)), np.zeros((11, 5)), heard)
 
 
-def test_what_leads_comes_first_and_returns_when_it_has_moved(sound):
+def test_what_leads_comes_first_and_returns_when_it_has_come_nearer(sound):
     live, lines = sound
     school = HeardSound("a school passes", (-0.9, 0.0, 0.0), 0.5, 500.0)
     large = HeardSound("something large", (-0.9, 0.3, 0.0), 0.02, 1200.0, True)
@@ -96,6 +96,7 @@ def test_what_leads_comes_first_and_returns_when_it_has_moved(sound):
     live._caption(moment(1, school, large))
     live._caption(moment(70, hush))
     live._caption(moment(240, large))  # unchanged
+    live._caption(moment(260, large._replace(way=(0.9, 0.3, 0.0))))  # as far off, on another side
     live._caption(moment(310, large._replace(away=200.0, way=(0.1, 0.9, 0.0))))
     assert lines == [
         "[something large, left, far off]", "[the reef falls silent]",
