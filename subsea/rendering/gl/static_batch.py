@@ -85,6 +85,7 @@ def under_way(state: LevelState) -> Bools:
 
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
 LEAST_PX = 3.0  # smaller items are not drawn
+LARGE_PX = 150.0  # diameter from which a detail below 1 matters less; from twice that not at all
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
 TRIANGLES, UNSIGNED_INT = 0x0004, 0x1405  # OpenGL enums
 FADING = ("FADING",)  # variant of a program that draws a share of the pixels
@@ -298,15 +299,14 @@ def levels_in_sight(
 
     `spheres` are centres (k, 3) and radii (k,), cm. The level follows from the largest diameter in
     pixels; it is OUT_OF_SIGHT for what no view sees or what is too small. The level `before` is
-    kept until a threshold is overstepped by HYSTERESIS.
+    kept until a threshold is overstepped by HYSTERESIS. A `detail` below 1 spares what is large.
     """
     centres, radii = spheres
     seen = np.ones((len(views), len(centres)), np.bool_)
     if np.isinf(detail):
         return np.zeros(len(centres), np.int64), seen
     arrays = view_arrays(views)
-    arrays = arrays._replace(scales=detail * arrays.scales)
-    level = _levels(centres, radii, arrays, reach_cm, thresholds_px, before, seen)
+    level = _levels(centres, radii, arrays, reach_cm, detail, thresholds_px, before, seen)
     return np.asarray(level), seen
 
 
@@ -316,6 +316,7 @@ def _levels(
     radii: Array,
     views: ViewArrays,
     reach: float,
+    detail: float,
     thresholds: Array,
     before: Ints,
     seen: Bools,
@@ -333,6 +334,9 @@ def _levels(
             seen[v, i] = d - radii[i] < reach
             if seen[v, i]:
                 pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
+        # What is large in the picture is never coarser than at full detail: its edges would show.
+        full = min(max(pixels / LARGE_PX - 1.0, 0.0), 1.0) if detail < 1.0 else 0.0
+        pixels *= detail + full * (1.0 - detail)
         new = before[i] == OUT_OF_SIGHT
         if pixels < (LEAST_PX if new else LEAST_PX / (1.0 + HYSTERESIS)):
             level[i] = OUT_OF_SIGHT

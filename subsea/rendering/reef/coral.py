@@ -79,7 +79,7 @@ LOOKS = {
     ),
     "lettuce": CoralLook(
         ((BROWN, CREAM), (OLIVE, LIME), (TAN, WHITE), (MAUVE, ROSE), (UMBER, HONEY)),
-        (0.2, 0.5, 0.3), 0.35, 0.0,
+        (0.2, 0.5, 0.3), 0.9, 0.0,
     ),
     "finger": CoralLook(
         ((TAN, CREAM), (OLIVE, SAGE), (DUSTY, ROSE), (GREY, BONE), (OCHRE, HONEY)),

@@ -296,13 +296,14 @@ def lettuce(rng: Rng, level: int) -> CoralMesh:
         for k in (1.3, 2.1, 3.4)
     )
     fold = np.sin(5.0 * turn * (1.0 - 0.35 * far) + noise)
+    fold = fold if level < 2 else 0.0 * fold  # too narrow for so few columns: they would be spikes
     foot = 0.05 + 0.28 * far
     rim = (0.2 + 0.72 * far) * (1.0 + 0.1 * noise) + 0.05 * fold
     reach = foot + (rim - foot) * out**1.3 + 0.04 * fold * out
     height = (0.95 - 0.6 * far + 0.1 * noise + 0.06 * fold) * (out - 0.3 * out**2) - 0.05
     top = np.stack([reach * np.cos(turn), reach * np.sin(turn), height], axis=-1)
     pale = np.clip((out - 0.7) / 0.3, 0.0, 1.0)
-    return plates(top, 0.06, tip=pale, light=0.22 + 0.78 * out**1.5)
+    return plates(top, 0.06, tip=pale, light=0.6 + 0.4 * out**1.5, below=0.9)
 
 
 def leather(rng: Rng, level: int) -> CoralMesh:

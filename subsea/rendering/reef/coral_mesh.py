@@ -176,11 +176,17 @@ def turned(reach: Array, height: Array, **given: Array | float) -> CoralMesh:
 
 
 def plates(
-    top: Array, thick: float, *, tip: Array | float = 0.0, light: Array | float = 1.0
+    top: Array,
+    thick: float,
+    *,
+    tip: Array | float = 0.0,
+    light: Array | float = 1.0,
+    below: float = 0.55,
 ) -> CoralMesh:
     """Thin two-sided plates with upper sides (b, r, c, 3), from the foot to the rim.
 
-    They are `thick` at the foot and sharp at the rim. Other values broadcast to (b, r, c).
+    They are `thick` at the foot and sharp at the rim, and the light on their lower sides is `below`
+    times that on the upper ones. Other values broadcast to (b, r, c).
     """
     top = top[:, :, ::-1]
     b, r, c, _ = top.shape
@@ -191,11 +197,11 @@ def plates(
     under = top - down * unit(face)
     place = np.concatenate([top, under[:, :, ::-1], top[:, :, :1]], axis=2)
 
-    def both(x: Array | float, below: float) -> Array:
+    def both(x: Array | float, under_share: float) -> Array:
         x = np.broadcast_to(x, (b, r, c))[:, :, ::-1]
-        return np.concatenate([x, below * x[:, :, ::-1], x[:, :, :1]], axis=2)
+        return np.concatenate([x, under_share * x[:, :, ::-1], x[:, :, :1]], axis=2)
 
-    return skin(place, tip=both(tip, 0.6), light=both(light, 0.55))
+    return skin(place, tip=both(tip, 0.6), light=both(light, below))
 
 
 def joined(*meshes: CoralMesh) -> CoralMesh:

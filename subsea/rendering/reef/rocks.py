@@ -1,4 +1,4 @@
-"""Drawing pillars and rocks: weathered formations at three levels of detail, with baked light.
+"""Drawing pillars and rocks: weathered formations in levels of detail, with baked light.
 
 The surface is where `habitat.formations.drawn_distance` is 0, inside of what fishes avoid.
 """
@@ -42,10 +42,11 @@ from subsea.habitat.stone import (
 from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import PILLAR, ROCK, object_id
 from subsea.rendering.gl.programs import ProgramVariants
-from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
+from subsea.rendering.gl.static_batch import LazyMesh, StaticBatch, StaticMesh, bounding_spheres
 from subsea.rendering.gl.textures import Texels, in_bytes, relief, repeating
 from subsea.rendering.output.quality import Quality
 from subsea.rendering.reef.coral_mesh import surface_net
+from subsea.rendering.reef.fine_stone import finer, halved
 from subsea.rendering.sea.seabed import drawn_height, terrain_within
 from subsea.state import Reef
 from subsea.view.culling import IN_SIGHT
@@ -265,9 +266,10 @@ def _dress(blocks: Array, place: Array, normal: Array, out: Array) -> None:
 
 
 RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # largest magnitude of its layers
-CAST_LEVEL = 1  # of shadows on the map of the sun
+CAST_LEVEL = 2  # of shadows on the map of the sun
 SKY_TAKEN, SUN_TAKEN = 0.6, 0.45  # at the foot of a growth
-LEVELS_PX = (900.0, 230.0)  # diameters of a piece from which its levels are used
+# Diameters of a piece from which its levels are used; the first is `fine_stone`.
+LEVELS_PX = (3200.0, 900.0, 230.0)
 
 
 def pieces(
@@ -361,10 +363,15 @@ class RockRenderer(StaticBatch):
         self, context: Any, scene: RenderScene, stone: list[list[StaticMesh]], quality: Quality
     ) -> None:
         """`stone` are the `pieces` of the scene."""
+        fine = [halved(levels[0]) for levels in stone]
 
         def ids() -> Array:
-            places = [mesh.vertices[:, :3] for levels in stone for mesh in levels]
-            return object_ids(scene.pillars, scene.rocks, np.concatenate(places).astype(np.float64))
+            shapes = [
+                mesh for own, levels in zip(fine, stone, strict=True)
+                for mesh in (own.rough, *(level.vertices for level in levels))
+            ]  # fmt: skip
+            places = np.concatenate([shape[:, :3] for shape in shapes])
+            return object_ids(scene.pillars, scene.rocks, places.astype(np.float64))
 
         layout = "3f4 3f4 4f4 3f4", "a_position a_normal a_light a_cover"
         moving = {"MOVING_SUN": 1} if scene.water.day_minutes else {}
@@ -372,6 +379,11 @@ class RockRenderer(StaticBatch):
             layout = f"{layout[0]} 4f4 4f4", f"{layout[1]} a_early a_late"
         programs = ProgramVariants(context, "solid", ids, quality.defines, **moving)
         reach_cm = IN_SIGHT * scene.water.visibility_cm
-        super().__init__(programs, *layout, stone, reach_cm, LEVELS_PX)
+        blocks = formations(scene.pillars, scene.rocks)
+        items: list[list[StaticMesh | LazyMesh]] = [
+            [finer(own, blocks), *levels] for own, levels in zip(fine, stone, strict=True)
+        ]
+        balls = bounding_spheres(stone)
+        super().__init__(programs, *layout, items, reach_cm, LEVELS_PX, balls)
         if stone:
             self.textures["u_relief"] = self.own(repeating(context, roughness, 5))

@@ -9,6 +9,7 @@ from subsea.base.system import resource_path
 from subsea.rendering.gl.shaders import set_uniforms
 from subsea.rendering.gl.static_batch import (
     HYSTERESIS,
+    LARGE_PX,
     OUT_OF_SIGHT,
     LazyMesh,
     StaticBatch,
@@ -16,6 +17,7 @@ from subsea.rendering.gl.static_batch import (
     bounding_spheres,
     levels_in_sight,
 )
+from subsea.view.culling import view_arrays
 from subsea.view.display_rigs import views_for
 from subsea.view.levels import FADE_S
 from subsea.view.rig import pose_from_angles
@@ -54,6 +56,18 @@ def quad(x, size, pieces):
     at = np.arange(y.size).reshape(y.shape)
     a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
     return StaticMesh(vertices, np.stack([a, b, c, c, b, d], axis=-1).reshape(-1, 3))
+
+
+@given(st.lists(st.floats(15.0, 5e4), min_size=2, max_size=20), st.floats(0.3, 1.0))
+def test_less_detail_coarsens_what_is_small_and_nothing_that_is_large(distances, detail):
+    new = [OUT_OF_SIGHT] * len(distances)
+    full, less = levels(distances, new), levels(distances, new, detail=detail)
+    shown = less != OUT_OF_SIGHT
+    assert (less >= full)[shown].all()
+    away = np.array(distances) - 10.0
+    (scale,) = view_arrays(AHEAD).scales
+    large = 20.0 * scale / np.maximum(away, 1.0) >= 2.0 * LARGE_PX
+    assert (less == full)[large].all()
 
 
 @given(st.lists(st.floats(15.0, 5e4), min_size=2, max_size=20))
@@ -212,7 +226,7 @@ def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
 def test_a_change_of_level_fades_and_every_pixel_is_drawn_once(drawn):
     """A quad that covers the same pixels at each level: both together draw each of them once."""
     make, draw = drawn
-    batch = make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]])
+    batch = make([[quad(200.0, 10.0, n) for n in (8, 4, 1)]])
     pixels, fine = draw(batch, AHEAD, detail=1.0, time_s=1.0)
     shares = []
     for picture in range(12):
@@ -232,7 +246,7 @@ def test_a_change_of_level_fades_and_every_pixel_is_drawn_once(drawn):
 def test_each_level_has_its_share_of_the_pixels_in_a_fade(drawn):
     make, draw = drawn
     nothing = StaticMesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
-    same = quad(100.0, 10.0, 8)
+    same = quad(200.0, 10.0, 8)
     batch = make([[same, same, nothing]])
     whole, _ = draw(batch, AHEAD, time_s=1.0)
     parts = [draw(batch, AHEAD, detail=0.3, time_s=1.0 + 0.03 * (k + 1))[0] for k in range(12)]
