@@ -58,6 +58,7 @@ SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 110.0, 80.0, 66.0, 600.0
 GATHERED, SHIFTS = 0.2, 3  # reach of a shoal over the visibility, and steps to find its middle
 MOST = 0.8  # share of those gathered within its width
 FILLED, FAR = 1.8, 0.45  # distance of a shoal over its width; at most, over the visibility
+PACE_S = 2.2  # least distance of a moving fish over its speed, as the view turns slowly
 PORTRAIT = 1.15  # distance of one fish over its length: from the side half of the width
 TOGETHER = 1.2  # L: farther apart than this, only the first of two fishes is framed
 LEAD, LEAD_CM_S = 0.05, 12.0  # room before a moving shoal over its distance; a brisk speed
@@ -285,6 +286,7 @@ def _aim(world: World, subject: Subject) -> tuple[Array, Array]:
         both += share * float(fishes.length[members[1]])
     far = PORTRAIT * both + share * float(np.linalg.norm(reach))
     middle, velocity = places[0] + share * reach, going[0] + 0.5 * share * (going[-1] - going[0])
+    far = max(far, PACE_S * float(np.linalg.norm(velocity)))
     return np.array([*middle, _within(far, NEAREST_CM, FARTHEST_CM)]), velocity
 
 

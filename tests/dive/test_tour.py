@@ -61,8 +61,9 @@ def world():
     world = create_world(load_scenario("peaceful")[0], seed=1, fish=12)
     state = world.state
     state.sea = state.sea._replace(
-        pillars=np.zeros((0, 4)), rocks=np.zeros((0, 7)), catch=state.sea.catch.copy()
-    )
+        pillars=np.zeros((0, 4)), rocks=np.zeros((0, 7)), catch=state.sea.catch.copy(),
+        floor=state.sea.heights,
+    )  # fmt: skip
     state.sea.catch[:] = LANDED, NOBODY
     state.minds.target[:] = NOBODY
     state.minds.partner[:] = NOBODY
