@@ -46,23 +46,23 @@ class Shot(NamedTuple):
     past_cm: tuple[float, float, float]  # the view passes beside it by this
 
 
-BAY = Shot("peaceful", 1, 460, (0, 33), (-122.0, 62.0, 10.0), (0.0, 0.0, 6.0))
-VISITORS = Shot("visitors", 4, 195, (1, 2), (-80.0, 92.0, 15.0), (30.0, 0.0, 14.0))
-PREYING = Shot("preying", 2, 570, (0, 1), (-34.0, -158.0, 10.0), (-69.0, -12.0, 0.0))
+BAY = Shot("peaceful", 1, 300, (0, 33), (-150.0, 70.0, 10.0), (0.0, -14.0, 7.0))
+VISITORS = Shot("visitors", 4, 160, (0, 1), (-105.0, -17.0, 18.0), (0.0, 8.0, 14.0))
+PREYING = Shot("preying", 2, 410, (0, 1), (-50.0, -155.0, 6.0), (-28.0, -8.0, 6.0))
 THUMBNAILS = {
     "peaceful": BAY,
     "visitors": VISITORS,
     "preying": PREYING,
-    "schooling": Shot("schooling", 3, 700, (0, 36), (45.0, -90.0, 8.0), (0.0, 0.0, 0.0)),
+    "schooling": Shot("schooling", 3, 360, (0, 36), (-45.0, -110.0, 8.0), (0.0, 0.0, 0.0)),
     "mating": Shot("mating", 1, 150, (0, 3), (-27.0, 15.0, 2.0), (2.0, 4.0, 0.0)),
-    "go-fish": Shot("go-fish", 3, 700, (0, 27), (-78.0, 52.0, 9.0), (0.0, 0.0, 9.0)),
+    "go-fish": Shot("go-fish", 1, 525, (15, 16), (-60.0, 20.0, 5.0), (0.0, 0.0, 0.0)),
     "rendezvous": Shot("rendezvous", 1, 400, (0, 2), (-52.0, -18.0, 5.0), (0.0, 9.0, 0.0)),
     "twilight": Shot("twilight", 3, 700, (0, 32), (-120.0, 70.0, 14.0), (0.0, 0.0, -10.0)),
     "open-ocean": Shot("open-ocean", 2, 40, (0, 1800), (-600.0, 360.0, 60.0), (0.0, 0.0, 0.0)),
 }
 THUMBNAIL, THUMBNAIL_QUALITY = (192, 108), 80
 FIRST, OTHER = (1600, 700), (1120, 500)
-SWIMMING = BAY._replace(tick=400)
+SWIMMING = BAY._replace(tick=270)
 STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 62
 SHARE = (560, 130, 760, 290)  # of a picture, which is shown twice as large for each preset
 LETTERS, PLACES_WIDE = 18, 1500
