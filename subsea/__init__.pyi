@@ -5,10 +5,13 @@ from subsea.lab.environments import predator_prey as predator_prey
 from subsea.lab.environments import school as school
 from subsea.lab.records import measure as measure
 from subsea.lab.records import open_record as open_record
+from subsea.lab.records import record as record
 from subsea.lab.records import scenarios as scenarios
 from subsea.lab.records import simulate as simulate
 from subsea.lab.records import species as species
 from subsea.lab.records import sweep as sweep
+from subsea.lab.rules import rule as rule
+from subsea.lab.rules import sense as sense
 from subsea.library import Retina as Retina
 from subsea.library import World as World
 from subsea.library import behind as behind

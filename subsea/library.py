@@ -2,7 +2,7 @@
 
 import threading
 import weakref
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any, NamedTuple, TypeVar
@@ -14,7 +14,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.base.errors import unknown
 from subsea.base.progress import say
 from subsea.base.toml_edit import toml_value
-from subsea.behavior.table import INTENTIONS
+from subsea.behavior.intention import Behavior, Routine
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands
 from subsea.dive.ride import values_of
 from subsea.dive.warm_up import warm_up
@@ -23,7 +23,7 @@ from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.repertoire import SEGMENTS
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.state import (
     COURTSHIP,
     HUNT,
@@ -50,8 +50,17 @@ G = TypeVar("G", bound=tuple[Any, ...])
 Changes = Mapping[str, Any] | Iterable[str]
 
 
+MOST_SEED, MOST_FISHES = 2**32 - 1, 100_000  # as of the options of commands
+
+
 def load(
-    scenario: str, *, seed: int | None = None, fish: int | None = None, changes: Changes = ()
+    scenario: str,
+    *,
+    seed: int | None = None,
+    fish: int | None = None,
+    changes: Changes = (),
+    behaviors: Sequence[Behavior] = (),
+    senses: Sequence[Routine] = (),
 ) -> "World":
     """Load a scenario as a world at tick 0.
 
@@ -61,9 +70,14 @@ def load(
         fish: The number of fishes to which its shoals are scaled; None: the scenario's.
         changes: Values that replace the scenario's, by key: `{"nature.keen": 0.4}`, or texts as
             `--set` takes them. docs/reference/scenario-keys.md lists the keys.
+        behaviors: Rules of your own, as of `subsea.rule`: each replaces the behavior of its name,
+            or adds one.
+        senses: Senses of your own, as of `subsea.sense`, which come after those of a fish.
 
     Raises:
-        UserError: An unknown scenario or key, or a value outside its range.
+        UserError: An unknown scenario or key, a value outside its range, or a rule that replaces
+            no behavior and has no desire.
+        ValueError: A seed outside 0 to 4294967295, or a number of fishes outside 1 to 100000.
 
     The first call after an installation compiles the kernels, which takes a minute.
 
@@ -72,9 +86,38 @@ def load(
         >>> world
         World('peaceful', seed=1, 10 fishes, tick 0)
     """
+    check_numbers(seed, fish)
+    check_rules(behaviors, senses)
     loaded = load_scenario(scenario, change_texts(changes))
     warm_up(say)
-    return World(create_world(loaded.scenario, seed, fish, source=str(loaded.path)), scenario)
+    source = str(loaded.path)
+    state = create_world(loaded.scenario, seed, fish, source=source, behaviors=behaviors)
+    state.senses = tuple(senses)
+    return World(state, scenario, loaded)
+
+
+def check_rules(behaviors: Sequence[Behavior], senses: Sequence[Routine]) -> None:
+    """Raise a TypeError for rules that are not made by `subsea.rule` or `subsea.sense`."""
+    for one in behaviors:
+        if not isinstance(one, Behavior):
+            raise TypeError(
+                f"behaviors: expected what subsea.rule('school', function) returns, got {one!r}"
+            )
+    for sense in senses:
+        if not callable(sense):
+            raise TypeError(
+                f"senses: expected what subsea.sense('light', function) returns, got {sense!r}"
+            )
+
+
+def check_numbers(seed: int | None, fish: int | None) -> None:
+    """Raise a ValueError for a seed or a number of fishes that no command accepts."""
+    for name, value, least, most in (
+        ("seed", seed, 0, MOST_SEED), ("fish", fish, 1, MOST_FISHES)
+    ):  # fmt: skip
+        whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+        if value is not None and not (whole and least <= value <= most):
+            raise ValueError(f"{name}: {value!r}, expected a whole number from {least} to {most}")
 
 
 def change_texts(changes: Changes) -> list[str]:
@@ -108,10 +151,13 @@ class World:
         ValueError: assignment destination is read-only
     """
 
-    def __init__(self, state: State, scenario: str = "") -> None:
-        """Wrap a world of `subsea.world.build.create_world`."""
+    def __init__(
+        self, state: State, scenario: str = "", loaded: LoadedScenario | None = None
+    ) -> None:
+        """Wrap a world of `subsea.world.build.create_world`; `loaded` is what it was made of."""
         self.internal = state  # for what this class does not offer; may change at any time
         self.scenario = scenario
+        self.loaded = loaded
         parts = state.state
         self._fishes = _read_only(parts.fishes)
         self._minds = _read_only(parts.minds)
@@ -172,7 +218,7 @@ class World:
         return {
             "fishes.species": self.species,
             "fishes.segment": tuple(SEGMENTS),
-            "minds.intention": tuple(INTENTIONS),
+            "minds.intention": self.internal.table.names,
             "minds.mental": tuple(MENTAL_STATES),
             "minds.kind": tuple(KINDS),
             "minds.courtship": tuple(COURTSHIP),
@@ -190,13 +236,15 @@ class World:
                 place.
 
         Raises:
-            ValueError: A negative number of ticks, a value outside [-1, 1], an unknown fish.
+            ValueError: A number of ticks that is negative or not whole, a value outside [-1, 1],
+                an unknown fish.
+            UserError: A rule of your own that fails; the world is in the middle of a tick then.
 
         The same scenario, seed and orders give the same world bit for bit.
         """
-        if n < 0:
-            raise ValueError(f"n: expected a number of ticks of at least 0, got {n}")
-        checked = self._checked(order)
+        if not isinstance(n, int | np.integer) or isinstance(n, bool) or n < 0:
+            raise ValueError(f"n: {n!r}, expected a whole number of ticks of at least 0")
+        checked = self.checked(order)
         for _ in range(n):
             step(self.internal, checked)
 
@@ -229,8 +277,8 @@ class World:
         n = len(self.fishes.species)
         return f"World({self.scenario!r}, seed={self.seed}, {n} fishes, tick {self.tick})"
 
-    def _checked(self, order: Any) -> Order:
-        """An order with values that compiled code may take; raises a ValueError or TypeError."""
+    def checked(self, order: Any) -> Order:
+        """Return an order with values that compiled code may take; a ValueError or TypeError."""
         if not isinstance(order, Helm | TeleopCommand | TeleopCommands):
             raise TypeError(
                 f"order: expected a Helm, a TeleopCommand or TeleopCommands, got {order!r}"

@@ -68,14 +68,15 @@ def recording(
     constants: Mapping[str, NDArray[Any]],
     notes: Mapping[str, Mapping[str, Any]] | None = None,
     dimensions: Mapping[str, Sequence[str]] | None = None,
+    late: Mapping[str, Any] | None = None,
 ) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
     """Write a file whose datasets grow along their first axis.
 
     Yields `append`, which accepts a block of rows for every dataset. `constants` do not grow; those
-    of type object are words. `notes` are the attributes of
-    each dataset, by its name; `dimensions` are the paths of its dimension scales, as netCDF has
-    them. Ctrl-C saves the blocks so far as a complete file and continues as KeyboardInterrupt. With
-    no rows, or on any other fault, no file is left.
+    of type object are words. `notes` are the attributes of each dataset, by its name; `dimensions`
+    are the paths of its dimension scales, as netCDF has them. `late` are more attributes of the
+    file, which the caller fills until the end. Ctrl-C saves the blocks so far as a complete file
+    and continues as KeyboardInterrupt. With no rows, or on any other fault, no file is left.
     """
     notes = notes or {}
     interrupted: KeyboardInterrupt | None = None
@@ -125,6 +126,7 @@ def recording(
         for name, dataset in growing.items():
             dataset.resize(rows.get(name, 0), axis=0)  # an interruption may have cut a block short
         _attach_scales(file, dimensions or {})
+        file.attrs.update(late or {})
     if interrupted:
         raise interrupted
 

@@ -26,6 +26,7 @@ class Behavior(NamedTuple):
     desires: tuple[tuple[int, Desire], ...]
     tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
     in_turn: bool = False  # True if the routine reads what it writes for others: never cut up
+    whole: bool = False  # True if desires and routine take all fishes of a tick in one call
     seeks: bool = False  # True if only a desire has an object: a fish that lost its own wanders
 
 

@@ -1,11 +1,13 @@
 """List the behaviors in one table, and let fishes follow them."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from subsea.base import registry
-from subsea.base.arrays import Ints
+from subsea.base.arrays import Bools, Ints
+from subsea.base.errors import UserError, nearest
 from subsea.base.progress import say
 from subsea.behavior import (
     avoiding,
@@ -103,36 +105,126 @@ def desires_of(behaviors: Sequence[Behavior]) -> list[tuple[int, int, Desire]]:
     return sorted(rows, key=lambda row: row[:2])
 
 
+class BehaviorTable(NamedTuple):
+    """The b behaviors of a world by their codes, and their d desires, most urgent first."""
+
+    behaviors: tuple[Behavior, ...]
+    desires: tuple[Desire, ...]
+    level: Ints  # (d,) of each desire
+    behavior: Ints  # (d,) code of the behavior that each desire leads to
+    whole: Bools  # (d,) whether a desire takes all fishes in one call
+    tires: Bools  # (b,)
+    seeks: Bools  # (b,)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the intentions by their codes."""
+        return tuple(behavior.name for behavior in self.behaviors)
+
+
+def make_table(behaviors: Sequence[Behavior]) -> BehaviorTable:
+    """Make the table of behaviors whose codes are their places in a list."""
+    rows = desires_of(behaviors)
+    codes = [code for _, code, _ in rows]
+    return BehaviorTable(
+        behaviors=tuple(behaviors),
+        desires=tuple(desire for _, _, desire in rows),
+        level=np.array([level for level, _, _ in rows]),
+        behavior=np.array(codes),
+        whole=np.array([behaviors[code].whole for code in codes]),
+        tires=np.array([behavior.tires for behavior in behaviors]),
+        seeks=np.array([behavior.seeks for behavior in behaviors]),
+    )
+
+
+MAX_BEHAVIORS = 200  # a record holds an intention in a byte
+
+
+def with_behaviors(given: Sequence[Behavior]) -> BehaviorTable:
+    """Make a table with more behaviors; one with the name of another replaces it.
+
+    A behavior without desires keeps those of the one that it replaces. Raises a UserError for a
+    name that is given twice, and for a new behavior without desires.
+    """
+    behaviors = list(BEHAVIORS)
+    names = [one.name for one in given]
+    for one in given:
+        if names.count(one.name) > 1:
+            raise UserError(f"behavior {one.name!r} is given twice")
+        if one.name in INTENTIONS:
+            code = INTENTIONS.index(one.name)
+            before = behaviors[code]
+            if not one.desires:
+                one = one._replace(desires=before.desires, tires=before.tires, seeks=before.seeks)
+            behaviors[code] = one
+        elif one.desires:
+            behaviors.append(one)
+        else:
+            hint = nearest(one.name, list(INTENTIONS)) or f"; ours are: {', '.join(INTENTIONS)}"
+            raise UserError(
+                f"behavior {one.name!r} needs a desire, as it replaces none of ours{hint}"
+            )
+    if len(behaviors) > MAX_BEHAVIORS:
+        raise UserError(f"{len(behaviors)} behaviors, expected at most {MAX_BEHAVIORS}")
+    return make_table(behaviors)
+
+
+TABLE = make_table(BEHAVIORS)
+"""The table of all worlds that are given no other behaviors."""
 DESIRES = desires_of(BEHAVIORS)
-LEVEL_OF_DESIRE = np.array([level for level, _, _ in DESIRES])
-BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
-TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
-SEEKS = np.array([behavior.seeks for behavior in BEHAVIORS])
+LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES = TABLE.level, TABLE.behavior, TABLE.tires
 
 
 def compute_desires(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+    who: Ints,
+    fishes: Fishes,
+    minds: Minds,
+    sea: Sea,
+    nature: Nature,
+    clock: Clock,
+    table: BehaviorTable = TABLE,
 ) -> None:
-    """Fill `minds.desire` of the fishes `who`."""
-    for row, (_, _, desire) in enumerate(DESIRES):
-        desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
+    """Fill `minds.desire` of the fishes `who`, except desires that take all fishes at once."""
+    for row, desire in enumerate(table.desires):
+        if not table.whole[row]:
+            desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
+
+
+def compute_whole_desires(
+    who: Ints,
+    fishes: Fishes,
+    minds: Minds,
+    sea: Sea,
+    nature: Nature,
+    clock: Clock,
+    table: BehaviorTable = TABLE,
+) -> None:
+    """Fill the other desires, for all fishes `who` of a tick."""
+    for row in np.flatnonzero(table.whole):
+        table.desires[row](who, fishes, minds, sea, nature, clock, minds.desire[row])
 
 
 def run_routines(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+    who: Ints,
+    fishes: Fishes,
+    minds: Minds,
+    sea: Sea,
+    nature: Nature,
+    clock: Clock,
+    table: BehaviorTable = TABLE,
 ) -> None:
     """Let each of the fishes `who` follow its intention, one intention after the other.
 
     A fish that seeks something and lost it wanders for as long as its intention lasts.
     """
     now = minds.intention[who].copy()
-    for code in np.flatnonzero(SEEKS):
+    for code in np.flatnonzero(table.seeks):
         seeks = np.flatnonzero(now == code)
         if len(seeks):
-            wishes = minds.desire[code == BEHAVIOR_OF_DESIRE][:, who[seeks]]
+            wishes = minds.desire[code == table.behavior][:, who[seeks]]
             now[seeks[(wishes <= 0.0).all(axis=0)]] = WANDER
     for code in np.flatnonzero(np.bincount(now)):
-        behavior = BEHAVIORS[code]
+        behavior = table.behaviors[code]
         # Fishes of a routine that reads what it writes for others are one part.
-        least = len(who) if behavior.in_turn else LEAST_PART
+        least = len(who) if behavior.in_turn or behavior.whole else LEAST_PART
         share(behavior.routine, who[now == code], least, fishes, minds, sea, nature, clock)

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.language import marked, translated
-from subsea.behavior.table import BEHAVIORS
 from subsea.dive.options import RetinaColours
 from subsea.frame.packet import pack
 from subsea.rendering.gl.id_buffer import KINDS, IdMaps
@@ -198,7 +197,7 @@ class Ride:
         state = [
             f"{word(one)} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)
         ]
-        intention = BEHAVIORS[minds.intention[fish]].name
+        intention = world.table.names[minds.intention[fish]]
         doing = word(marked("steered by you") if steered else intention)
         parts = [f"{translated(name)} {fish}: {doing}", *state]
         if self.gaze != Gaze():

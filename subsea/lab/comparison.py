@@ -18,7 +18,7 @@ from subsea.base.progress import count_noun, print_line, progress
 from subsea.base.report_files import check_plots, write_plots
 from subsea.lab.plots import LINES
 from subsea.lab.report import MEASURES, Measured, measure, refuse_clashes
-from subsea.media.record import Origin, read_origin, read_record
+from subsea.media.record import BY_MINDS, Origin, read_origin, read_record
 
 Row = dict[str, float | None]  # None: nothing to measure
 
@@ -27,8 +27,9 @@ _SUMS = "fishes", "splits", "not_rejoined"
 _MOST = "longest_split_s"
 _OF_SCHOOLS = (
     "fishes", "cruising_share", "polarisation_median", "polarisation_p5", "rotation_median",
-    "polarised_share", "milling_share", "swarm_share", "course_deg", "nearest_bl.p5",
-    "nearest_bl.p50", "nearest_bl.p95", "splits", "longest_split_s", "not_rejoined",
+    "polarised_share", "milling_share", "swarm_share", "course_deg", "spread_bl",
+    "first_by_s", "front_leads", "nearest_bl.p5", "nearest_bl.p50", "nearest_bl.p95", "splits",
+    "longest_split_s", "not_rejoined",
 )  # fmt: skip
 _INPUTS = "seed", "ticks"
 
@@ -225,6 +226,8 @@ def _label(origin: Origin, several: bool) -> str:
     if not origin.scenario_sha256:
         return "records of unknown origin"
     changes = " ".join(origin.changes)
+    if origin.moved_by != BY_MINDS:
+        changes = f"{changes or 'as in the scenario'}, moved by {' and '.join(origin.moved_by)}"
     if several:
         return f"{origin.title}: {changes}" if changes else origin.title
     return changes or "as in the scenario"

@@ -1,11 +1,13 @@
 """Records of simulations: make, open and measure them; the names that a scenario may have."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
+from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.progress import say
 from subsea.base.system import cores, missing_packages
@@ -13,10 +15,11 @@ from subsea.dive.warm_up import warm_up
 from subsea.fish.species import species_names
 from subsea.jobs.workers import process_pool, serial
 from subsea.lab.report import measure as measures_of
-from subsea.lab.simulate import simulate as simulate_run
+from subsea.lab.rules import Rules, RulesGiven
+from subsea.lab.simulate import Run, record_world, simulate_run
 from subsea.lab.sweep import Sweep
 from subsea.lab.sweep import sweep as run_sweep
-from subsea.library import Changes, change_texts
+from subsea.library import Changes, World, change_texts, check_numbers
 from subsea.media.record import Record, read_record
 from subsea.scenario.load import scenario_names
 from subsea.world.world import TICK_S
@@ -53,6 +56,7 @@ def simulate(
     fish: int | None = None,
     changes: Changes = (),
     force: bool = False,
+    **rules: Unpack[RulesGiven],
 ) -> Path:
     """Record a run of a scenario, as `subsea simulate` does.
 
@@ -64,20 +68,63 @@ def simulate(
         fish: The number of fishes to which its shoals are scaled; None: the scenario's.
         changes: Values that replace the scenario's; see `subsea.load`.
         force: True replaces a file that is not a record, too.
+        **rules: `behaviors` and `senses` as of `subsea.load`. `orders` is a function that is called
+            before each tick with the `subsea.World`, and returns an order as of `World.step`, or
+            None.
 
     Returns:
         The path of the record.
 
     Raises:
-        UserError: A faulty scenario, or a file that cannot be written.
-        ValueError: A length under one tick.
+        UserError: A faulty scenario, a file that cannot be written, or a rule that fails: the
+            record keeps the ticks so far.
+        ValueError: A length under one tick, or a seed or number of fishes outside its range.
 
     Ctrl-C keeps the ticks so far, and continues as KeyboardInterrupt.
+
+    Examples:
+        >>> ahead = lambda world: subsea.Helm(surge=0.5)
+        >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, fish=5, orders=ahead)
     """
-    ticks = _ticks(seconds)
-    texts = change_texts(changes)
-    simulate_run(ticks, Path(out), scenario, fish, seed, texts, force, tell=lambda line: None)
+    check_numbers(seed, fish)
+    given = Rules(**rules)
+    texts = tuple(change_texts(changes))
+    run = Run(scenario, _ticks(seconds), seed, fish, texts, **given.fields)
+    simulate_run(run, Path(out), force, tell=lambda line: None)
     return Path(out)
+
+
+@contextmanager
+def record(world: World, out: PathText, *, force: bool = False) -> Iterator[Path]:
+    """Record every tick that a world makes inside a ``with`` block, whoever steps it.
+
+    Args:
+        world: A world of `subsea.load`, or that of an environment: ``env.unwrapped.world``.
+        out: The record to write; its name ends in ``.h5`` or ``.hdf5``.
+        force: True replaces a file that is not a record, too.
+
+    Yields:
+        The path of the record, which is there after the block. It has the same datasets as that of
+        `subsea.simulate`; its attribute `moved_by` tells what moved the fishes and the submarine.
+
+    Raises:
+        UserError: A file that cannot be written, no tick in the block, or a world that does not go
+            on by single ticks, as after `World.restore` or the reset of an environment.
+
+    Ctrl-C and other exceptions in the block keep the ticks so far, and continue.
+
+    Examples:
+        >>> world = subsea.load("peaceful", seed=1, fish=10)
+        >>> with subsea.record(world, "mine.h5") as path:
+        ...     for _ in range(10):
+        ...         world.step(1, subsea.TeleopCommand(fish=3, turn=0.5, speed=0.8))
+        >>> subsea.measure(path)["ticks"]
+        10
+    """
+    if not isinstance(world, World) or world.loaded is None:
+        raise TypeError(f"record: expected a world of subsea.load, got {world!r}")
+    with record_world(world.internal, world.loaded, Path(out), force):
+        yield Path(out)
 
 
 def sweep(
@@ -90,6 +137,7 @@ def sweep(
     fish: int | None = None,
     jobs: int | None = None,
     records: bool = False,
+    **rules: Unpack[RulesGiven],
 ) -> Path:
     """Record and measure every combination of seeds and values, as `subsea sweep` does.
 
@@ -103,14 +151,18 @@ def sweep(
         jobs: Parallel processes; None: one for each core; 1: none but this one. A script that uses
             several must call this below ``if __name__ == "__main__":``, as Python asks.
         records: True keeps the record of each run in the folder ``records``.
+        **rules: `behaviors`, `senses` and `orders` as of `subsea.simulate`. Other processes import
+            them from their modules. Those of a notebook or script run in this process.
 
     Returns:
         The table with a row for each run: Parquet, or CSV without the extra `sweep`.
         docs/reference/records.md describes its columns.
 
     Raises:
-        UserError: A faulty scenario or value, or a file that cannot be written.
-        ValueError: A length under one tick, or less than one job.
+        UserError: A faulty scenario or value, a file that cannot be written, a rule that fails, or
+            several `jobs` with rules that other processes cannot import.
+        ValueError: A length under one tick, less than one job, or a seed or number of fishes
+            outside its range.
 
     Examples:
         >>> table = subsea.sweep("peaceful", "few", seeds=[1, 2], seconds=0.33, fish=10, jobs=1)
@@ -119,8 +171,16 @@ def sweep(
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"jobs: {jobs!r}, expected at least 1")
-    runs = Sweep(scenario, [*seeds], _ticks(seconds), fish, values or {})
-    jobs = cores() if jobs is None else jobs
+    seeds, given = [*seeds], Rules(**rules)
+    for seed in seeds:
+        check_numbers(seed, fish)
+    if given.stay and jobs is not None and jobs > 1:
+        raise UserError(
+            "sweep: other processes cannot import these rules; put them into a module that is "
+            "installed or in PYTHONPATH, or give jobs=1"
+        )
+    runs = Sweep(scenario, seeds, _ticks(seconds), fish, values or {}, given.fields)
+    jobs = (1 if given.stay else cores()) if jobs is None else jobs
     warm_up(say)
     with deferred_interrupts() as check:
         return run_sweep(

@@ -17,6 +17,7 @@ from subsea.base.files import replacing
 from subsea.base.progress import count_noun, print_line
 from subsea.base.report_files import check_plots
 from subsea.lab import measures
+from subsea.lab.leadership import Leadership, leadership
 from subsea.lab.plots import RECORD_PLOTS, plot
 from subsea.lab.schooling import School, schools, splits, states
 from subsea.media.record import Record, read_record
@@ -124,10 +125,11 @@ def _minds(record: Record) -> Measured:
 
 
 def _schools(record: Record) -> list[Measured]:
-    return [_school(one, float(record.time[-1])) for one in schools(record)]
+    end = float(record.time[-1])
+    return [_school(one, leadership(record, one.leader), end) for one in schools(record)]
 
 
-def _school(school: School, end: float) -> Measured:
+def _school(school: School, leads: Leadership, end: float) -> Measured:
     cruising = school.polarisation[school.cruises]
     parts = splits(school, end)
     return {
@@ -139,6 +141,10 @@ def _school(school: School, end: float) -> Measured:
         "rotation_median": _percentile(school.rotation[school.cruises], 50),
         **{f"{name}_share": _rounded(share) for name, share in states(school).items()},
         "course_deg": _course_deg(school),
+        "spread_bl": _percentile(school.extent[school.cruises], 50),
+        "first_fish": leads.first,
+        "first_by_s": _percentile(leads.delay_s, 100),
+        "front_leads": _percentile(np.array([leads.front_correlation]), 50),
         "nearest_bl": {
             f"p{k}": _percentile(school.distances, k) for k in (5, 50, 95)
         },

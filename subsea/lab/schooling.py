@@ -32,6 +32,7 @@ class School(NamedTuple):
     course: Array  # (k,) rad, direction of their mean heading, left of the x axis
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
     together: Array  # (k,) share of those that school in the largest connected part
+    extent: Array  # (k,) root of the mean squared distance from their middle, body lengths
     distances: Array  # every such distance while it cruises, body lengths
 
 
@@ -58,7 +59,7 @@ def schools(record: Record) -> list[School]:
 
 
 def _school(record: Record, leader: int, every: int) -> School:
-    rows: list[tuple[float, int, bool, bool, float, float, float, float, float]] = []
+    rows: list[tuple[float, int, bool, bool, float, float, float, float, float, float]] = []
     distances: list[Array] = []
     for t in range(0, len(record.time), every):
         those = record.alive[t] & (record.leader[t] == leader)
@@ -80,9 +81,10 @@ def _school(record: Record, leader: int, every: int) -> School:
             float(record.time[t]), len(members), calm, cruises, float(np.linalg.norm(mean)),
             rotation_of(place.astype(np.float64), ahead), float(np.arctan2(mean[1], mean[0])),
             float(np.median(nearest)), together,
+            float(np.linalg.norm(place.std(axis=0)) / record.length[schooling].mean()),
         ))  # fmt: skip
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 9
-    fields = dict(zip(School._fields[1:10], columns, strict=True))
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 10
+    fields = dict(zip(School._fields[1:11], columns, strict=True))
     nearby = np.concatenate(distances) if distances else np.zeros(0)
     return School(leader=leader, **fields, distances=nearby)
 

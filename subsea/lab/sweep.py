@@ -26,8 +26,9 @@ from subsea.base.system import require
 from subsea.base.toml_edit import toml_value
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, serial
 from subsea.lab.comparison import Row, flat_measures
+from subsea.lab.recording import Provenance, provenance_of
 from subsea.lab.report import measure
-from subsea.lab.simulate import Provenance, Run, provenance_of, record_run
+from subsea.lab.simulate import Run, record_run
 from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
 
@@ -171,6 +172,7 @@ class Sweep:
     ticks: int
     fish: int | None = None
     values: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    rules: Mapping[str, Any] = field(default_factory=dict)  # `behaviors` and so on of each run
 
 
 class _Job(NamedTuple):
@@ -275,7 +277,7 @@ def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]
         raise UserError(f"{number:,} runs, expected 1 to {MAX_RUNS:,}")
     for values in product(*texts.values()):
         changes = tuple(f"{key}={value}" for key, value in zip(texts, values, strict=True))
-        run = Run(options.scenario, options.ticks, None, options.fish, changes)
+        run = Run(options.scenario, options.ticks, None, options.fish, changes, **options.rules)
         chosen, source, _ = load_scenario(options.scenario, changes)
         if not any(shoal.number for shoal in chosen.fish):
             raise UserError("has no fishes, nothing to record", file=source)
@@ -289,7 +291,7 @@ def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]
 
 def _digest(run: Run, origin: Provenance) -> str:
     """Hash everything that the result of a run depends on."""
-    inputs = [run.ticks, run.seed, run.fish, origin]
+    inputs = [run.ticks, run.seed, run.fish, origin, *run.rules]
     return sha256(msgspec.json.encode(inputs)).hexdigest()
 
 

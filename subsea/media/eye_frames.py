@@ -20,7 +20,6 @@ from subsea.base.arrays import describe_durations
 from subsea.base.errors import UserError
 from subsea.base.files import read_input, replacing
 from subsea.base.progress import count_noun, print_line, progress, say
-from subsea.behavior.table import BEHAVIORS
 from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.ride import (
     MOST_FISHES,
@@ -203,13 +202,18 @@ def identities(world: World) -> list[dict[str, Any]]:
 def describe_frame(
     world: World, by: FishEyes, views: Sequence[View], frame: int, instant: float, alpha: float
 ) -> dict[str, Any]:
-    """Describe a frame for the camera file; mental states are those of the current tick."""
+    """Describe a frame for the camera file.
+
+    The picture shows the bodies `alpha` of the way from the tick before to the current one, which
+    the mental states are of.
+    """
     fishes, minds, i = world.state.fishes, world.state.minds, by.fish
     place, turn = bodies_at(world, i, alpha)
     return {
         "frame": frame,
         "time_s": instant,
-        "tick": world.state.tick,
+        "tick": world.state.tick - 1,
+        "between": alpha,
         **{
             side: (OPENCV @ view.view.astype(np.float64)).tolist()
             for side, view in zip(SIDES, views, strict=True)
@@ -219,7 +223,7 @@ def describe_frame(
             "position_cm": place.tolist(),
             "orientation_wxyz": turn.tolist(),
             "velocity_cm_s": fishes.velocity[i].tolist(),
-            "intention": BEHAVIORS[minds.intention[i]].name,
+            "intention": world.table.names[minds.intention[i]],
             **dict(zip(MENTAL_STATES, minds.mental[i].tolist(), strict=True)),
             "light": float(minds.light[i]),
         },

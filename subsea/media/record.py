@@ -196,6 +196,9 @@ class Record(NamedTuple):
     kind_names: list[str]
 
 
+BY_MINDS = ("minds",)  # of a record in which nobody interferes
+
+
 class Origin(NamedTuple):
     """The inputs of a record, except its seed; without a hash if its version is older."""
 
@@ -203,6 +206,7 @@ class Origin(NamedTuple):
     scenario_sha256: str
     changes: tuple[str, ...]
     fish: int
+    moved_by: tuple[str, ...] = BY_MINDS
 
 
 # Fields of Record that are datasets, and names that differ from the end of the path.
@@ -284,6 +288,9 @@ def read_origin(path: Path) -> Origin:
             scenario_sha256=hdf5.attribute(file, "scenario_sha256", str, where),
             changes=tuple(one for one in changes if one.partition("=")[0].strip() != "seed"),
             fish=number,
+            moved_by=tuple(hdf5.texts(file, "moved_by", where))
+            if hdf5.has_attribute(file, "moved_by")
+            else BY_MINDS,
         )
 
 

@@ -9,7 +9,8 @@ from subsea.base.errors import UserError
 from subsea.base.language import marked
 from subsea.base.toml_files import locate_errors
 from subsea.base.validation import convert
-from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.intention import Behavior
+from subsea.behavior.table import with_behaviors
 from subsea.fish.species import Species
 from subsea.habitat.odour import make_odour, no_odour
 from subsea.habitat.reef import grow_reefs
@@ -50,6 +51,7 @@ def create_world(
     live: int | None = None,
     live_reach_cm: float = LIVE_REACH_CM,
     source: str = "the scenario",
+    behaviors: Sequence[Behavior] = (),
 ) -> World:
     """Create the world of a scenario at tick 0.
 
@@ -57,8 +59,10 @@ def create_world(
     `progress` receives messages. At most `live` fishes (None: as in the scenario), the nearest to
     the submarine within `live_reach_cm`, are simulated instead of played back. Raises a UserError
     for a missing or damaged file, too many live fishes, and things inside a rock, a pillar or the
-    seabed; `source` is the scenario's file.
+    seabed; `source` is the scenario's file. `behaviors` come after ours, or replace one of the same
+    name.
     """
+    table = with_behaviors(behaviors)
     live = scenario.simulated if live is None else live
     if live > MAX_SIMULATED:
         raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
@@ -81,7 +85,7 @@ def create_world(
         tick=0,
         seed=seed,
         fishes=empty(Fishes, n=sum(numbers)),
-        minds=empty(Minds, n=sum(numbers), b=len(BEHAVIORS), d=len(DESIRES)),
+        minds=empty(Minds, n=sum(numbers), b=len(table.behaviors), d=len(table.desires)),
         sea=sea,
         seaweed=seaweed,
         odour=make_odour(sea) if _smells(scenario, motion.species) else no_odour(),
@@ -102,7 +106,7 @@ def create_world(
     world = World(
         scenario, motion.species, library, motion.dynamics._replace(reach_cm=live_reach_cm),
         Nature(**msgspec.structs.asdict(scenario.nature)), scenario.water.current_cm_s,
-        Physics(**msgspec.structs.asdict(scenario.physics)), state, owners, numbers,
+        Physics(**msgspec.structs.asdict(scenario.physics)), state, owners, numbers, table=table,
     )  # fmt: skip
     with locate_errors(world.scenario, source):
         check_sea(world.scenario, world.state.sea, world.rock_owners)

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
-from subsea.behavior.table import BEHAVIORS
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.directions import INFLUENCES
 from subsea.state import EAT, GROUPS, LANDED, PREDATOR, Spec, declared
@@ -201,7 +200,7 @@ def _limits(world: World, given: Arrays) -> dict[int | str, Any]:
     remembered[given["minds.memory"] < 0] = max(n, specks)  # never read
     return {
         "n": n,
-        "b": len(BEHAVIORS),
+        "b": len(world.table.behaviors),
         "rows": len(world.library.rotation),
         "segments": len(SEGMENTS),
         "solids": len(sea.pillars) + len(sea.rocks),

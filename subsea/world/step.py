@@ -20,13 +20,7 @@ from subsea.behavior.mating import end_courtships
 from subsea.behavior.mental_state import update_mental_state
 from subsea.behavior.moods import update_moods
 from subsea.behavior.steering import ease_goals
-from subsea.behavior.table import (
-    BEHAVIOR_OF_DESIRE,
-    LEVEL_OF_DESIRE,
-    TIRES,
-    compute_desires,
-    run_routines,
-)
+from subsea.behavior.table import compute_desires, compute_whole_desires, run_routines
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
 from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
@@ -99,6 +93,7 @@ def step(world: World, order: Order) -> None:
     clock = Clock(state.seed, state.tick, TICK_S)
     commands = as_commands(order) if isinstance(order, TeleopCommand) else order
     world.stages_s.clear()
+    world.order = commands
     everyone = np.arange(len(state.fishes.species))
     with _stage(world, "behavior"):
         direct(world.script, state, world.nature, world.current_cm_s, clock)
@@ -180,6 +175,8 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
         lives = who[(minds.diet[who] | minds.ways[who]) > 0]
         around = world.site_grids, reefers_of(fishes, minds)
         share(see_sites, lives, LEAST_MINDS, fishes, minds, sea, nature, clock, *around)
+    for perceive_more in world.senses:
+        perceive_more(who, fishes, minds, sea, nature, clock)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
     return who
@@ -198,9 +195,11 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     share(update_mental_state, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     share(update_moods, who, LEAST_MINDS, fishes, minds, nature, clock)
     share(advance_inspections, who, LEAST_MINDS, fishes, minds, nature, clock)
-    share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
-    table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
-    share(choose_intention, free, LEAST_MINDS, minds, nature, *table)
+    table = world.table
+    share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock, table)
+    compute_whole_desires(who, fishes, minds, sea, nature, clock, table)
+    levels = table.level, table.behavior, table.tires
+    share(choose_intention, free, LEAST_MINDS, minds, nature, *levels)
 
 
 def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) -> None:
@@ -208,7 +207,7 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     fishes.gape[free] = 0.0
     fishes.close[free] = False
-    run_routines(free, fishes, minds, sea, world.nature, clock)
+    run_routines(free, fishes, minds, sea, world.nature, clock, world.table)
     share(steering.keep_clear, free, LEAST_MINDS, fishes, minds, sea)
     if isinstance(order, TeleopCommands):
         living = order.taken(fishes.alive[order.fish])

@@ -7,6 +7,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
+from subsea.behavior.intention import Routine
+from subsea.behavior.table import TABLE, BehaviorTable
 from subsea.directing.script import Script, make_script
 from subsea.fish.species import Species
 from subsea.habitat.current import REACH_CM, flow_at
@@ -44,6 +46,10 @@ class World:
     # Functions to call after every tick.
     observers: list[Callable[["World"], object]] = field(default_factory=list)
     reported_bursts: set[tuple[int, Physics]] = field(default_factory=set)
+    table: BehaviorTable = TABLE  # its behaviors and their desires
+    # Functions that perceive more for the fishes that think, after their own senses.
+    senses: tuple[Routine, ...] = ()
+    order: object = None  # what steered the last tick: see `step`
     # The rocks, and the cells that list these rocks.
     _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
     # The sites, and these sorted by kind.

@@ -29,6 +29,6 @@ def test_states_are_shares_of_the_calm_samples():
     school = School(
         leader=0, time=np.arange(5.0), members=np.full(5, 24), calm=calm, cruises=calm,
         polarisation=order, rotation=turning, course=empty, nearest=empty, together=empty,
-        distances=empty,
+        extent=empty, distances=empty,
     )  # fmt: skip
     assert states(school) == {"polarised": 0.25, "milling": 0.25, "swarm": 0.25}

@@ -14,9 +14,10 @@ from subsea.base import hdf5
 from subsea.cli.main import main
 from subsea.dive.start import start_world
 from subsea.fish.species import load_species, repertoire_file, species_file
+from subsea.lab import recording, sweep
 from subsea.lab import simulate as simulation
-from subsea.lab import sweep
-from subsea.lab.simulate import live_records, provenance_of
+from subsea.lab.recording import provenance_of
+from subsea.lab.simulate import live_records
 from subsea.media.record import COORDINATES, DIMENSIONS, FIELDS, read_record
 from subsea.scenario.load import load_scenario
 from subsea.world import step as ocean
@@ -124,11 +125,11 @@ def test_ctrl_c_leaves_a_valid_file_with_the_ticks_so_far(tmp_path, monkeypatch,
 
     def stepped(*given):
         made.append(ocean.step(*given))
-        if len(made) == 6:  # the first tick is there when the world has started
+        if len(made) == 7:
             signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(simulation, "step", stepped)
-    monkeypatch.setattr(simulation, "BLOCK_FISH_TICKS", 60)  # five ticks between two writes
+    monkeypatch.setattr(recording, "BLOCK_FISH_TICKS", 60)  # five ticks between two writes
     command = ["simulate", "--scenario", str(BARE), "--ticks", "1000000", "--fish", "12"]
     assert main([*command, "--out", str(out)]) == 130
     told = capsys.readouterr().err.splitlines()[-1]
@@ -190,7 +191,7 @@ def test_an_invalid_setting_is_one_line(tmp_path, capsys):
 
 
 def test_a_record_lists_the_directions_that_began(tmp_path, monkeypatch):
-    monkeypatch.setattr("subsea.lab.simulate.BLOCK_FISH_TICKS", 60)  # ten ticks between two writes
+    monkeypatch.setattr(recording, "BLOCK_FISH_TICKS", 60)  # ten ticks between two writes
     file = scene(
         tmp_path,
         "name = 'at first'\ncaption = 'There.'",

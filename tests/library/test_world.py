@@ -137,9 +137,26 @@ def test_a_wrong_order_is_refused_before_the_world_changes(world, order, fault, 
     before = world.checksum()
     with pytest.raises(fault, match=words):
         world.step(1, order)
-    with pytest.raises(ValueError, match="of at least 0, got -1"):
-        world.step(-1)
+    for number in (-1, 1.5, True):
+        with pytest.raises(ValueError, match=f"n: {number}, expected a whole number of ticks"):
+            world.step(number)
     assert world.checksum() == before
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"seed": -1}, "seed: -1, expected a whole number from 0 to 4294967295"),
+        ({"seed": 0.5}, "seed: 0.5, expected a whole number"),
+        ({"fish": 100_001}, "fish: 100001, expected a whole number from 1 to 100000"),
+        ({"fish": 0}, "fish: 0, expected a whole number from 1"),
+    ],
+)
+def test_a_number_that_no_command_accepts_is_refused(given, words, tmp_path):
+    with pytest.raises(ValueError, match=words):
+        subsea.load(str(BARE), **given)
+    with pytest.raises(ValueError, match=words):
+        subsea.simulate(str(BARE), tmp_path / "run.h5", seconds=1, **given)
 
 
 def test_changes_are_a_mapping_or_texts():

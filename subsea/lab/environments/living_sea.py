@@ -239,9 +239,12 @@ class LivingSea:
 
     def __init__(self, options: SeaOptions) -> None:
         """Build the world of the scenario with its own seed."""
-        scenario, source, _ = load_scenario(options.scenario, change_texts(options.changes))
-        self.options, self.scenario = options, with_total(scenario, options.fish_count)
-        self.world = create_world(self.scenario, live=0, source=str(source))
+        loaded = load_scenario(options.scenario, change_texts(options.changes))
+        self.options = options
+        self.scenario = with_total(loaded.scenario, options.fish_count)
+        self.world = create_world(self.scenario, live=0, source=str(loaded.path))
+        own = loaded._replace(scenario=self.scenario)
+        self.library_world = LibraryWorld(self.world, options.scenario, own)
         for _ in range(SETTLE_TICKS):
             step(self.world, STATION)
         self._start = {name: array.copy() for name, array in changing(self.world).items()}

@@ -19,6 +19,7 @@ from subsea.lab.environments.living_sea import (
     senses,
 )
 from subsea.lab.environments.rewards import Reward
+from subsea.library import World
 from subsea.scenario.shoals import find_fish
 
 SPREAD_CM = 30.0  # of starts about the places in the scenario
@@ -57,6 +58,11 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         }
         self._rng = np.random.default_rng()
         self._steps = 0
+
+    @property
+    def world(self) -> World:
+        """The sea, to read, draw or record."""
+        return self.sea.library_world
 
     def observation_space(self, agent: str) -> Box:
         """Describe the senses of a fish; the same object for each call."""

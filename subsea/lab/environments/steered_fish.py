@@ -12,6 +12,7 @@ from subsea.base.errors import UserError, unknown
 from subsea.geometry.rotation import x_axis
 from subsea.lab.environments import living_sea
 from subsea.lab.environments.rewards import Reward, escape_reward, forage_reward
+from subsea.library import World
 from subsea.scenario.shoals import find_fish
 from subsea.state import PREDATOR, PREY
 
@@ -71,6 +72,11 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
     @abstractmethod
     def start(self, fish: int) -> None:
         """Place the fish at the start of an episode."""
+
+    @property
+    def world(self) -> World:
+        """The sea, to read, draw or record."""
+        return self.sea.library_world
 
     @property
     def fish(self) -> int:
