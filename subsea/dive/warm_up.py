@@ -35,7 +35,7 @@ from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import Sources, hear
 from subsea.sound.space import LAYOUTS, listener_of
 from subsea.state import PREDATOR, Clock, Reef, empty
-from subsea.submarine.vessel import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL, keep_clear
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
 from subsea.world.build import create_world
@@ -53,7 +53,7 @@ def _scenery() -> None:
     from subsea.rendering.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
     from subsea.rendering.fish.soft_shadows import Sand, cast
     from subsea.rendering.gl.static_batch import bounding_spheres, levels_in_sight
-    from subsea.rendering.reef.rocks import overgrown
+    from subsea.rendering.reef.rocks import object_ids, overgrown
     from subsea.rendering.reef.seaweed import FRONDS_AT, fronds_of
     from subsea.rendering.sea.ground_map import with_growths
     from subsea.rendering.sea.particles import in_sight
@@ -62,6 +62,7 @@ def _scenery() -> None:
     sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))
     bare = empty(Reef, k=0)
     spheres = bounding_spheres(overgrown(*sand, pillars, ROCK, 12.0, bare))
+    object_ids(pillars, ROCK, ROCK[:, :3].copy())
     ground = surroundings(*sand, pillars, ROCK, 12.0, bare)
     with_growths(ground, np.array([[0.0, 0.0, 5.0, 5.0, 0.5]]), SUN)
     world = create_world(load_scenario(SCENARIO)[0], fish=FISHES)
@@ -109,6 +110,7 @@ def _motion() -> None:
     smell(everyone, world.state.fishes, world.state.minds, odour)
     step.move_fishes(world, everyone, CLOCK)
     step.steer(world, world.state.submarine, NEUTRAL)
+    keep_clear(np.zeros(3), np.zeros(3), world.state.sea)  # as a tour does
     step.stay_in_free_water(world, everyone, world.state.fishes.velocity.copy())
 
 

@@ -44,7 +44,7 @@ LOUD = {SNAP: 0.60, BUBBLE: 0.10, POP: 0.10, CRUNCH: 0.20, WHOOSH: 0.16, STRIKE:
         KNOCK: 0.30, CREAK: 0.05}  # fmt: skip
 SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.07, 0.065, 0.045, 0.08
 SCHOOL_LEVEL, WINCH_LEVEL, BREATH_LEVEL = 0.016, 0.12, 0.02
-LAP_LEVEL, SAND_LEVEL, DEEP_LEVEL, LARGE_LEVEL = 0.05, 0.035, 0.05, 0.11
+LAP_LEVEL, SAND_LEVEL, DEEP_LEVEL, LARGE_LEVEL = 0.05, 0.035, 0.05, 0.05
 SURF_CM, LAP_CM = 500.0, 90.0  # depths in which waves, and their splashes, fade by a factor e
 SAND_CM, MOVED_CM = 130.0, 900.0  # height, and depth, in which moving sand does
 DEEP_CM = 1200.0  # depth in which the hum of the deep grows to 1 - 1/e

@@ -19,6 +19,7 @@ from subsea.media.film import reach
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.gl.id_buffer import FISH, ROCK, SEABED
 from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.reef import rocks
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.rig import views
 from subsea.world.world import TICK_S
@@ -50,8 +51,12 @@ def filmed(context: Any, options: SceneFilmOptions) -> Any:
 
 @pytest.mark.nightly
 def test_fishes_sand_and_stone_cover_the_pixels_of_the_film(
-    context: Any, dive: Scene, short_dive: SceneFilmOptions, tmp_path: Path
-) -> None:
+    context: Any, dive: Scene, short_dive: SceneFilmOptions, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    finer = short_dive.detail + 1  # levels of stone before the one that is exported
+    levels_px = np.where(np.arange(len(rocks.LEVELS_PX)) < finer, np.inf, 0.0)
+    monkeypatch.setattr(rocks, "LEVELS_PX", levels_px)
     film = filmed(context, short_dive)
     WRITER.write(dive, tmp_path / "bare.usdc", SceneOptions())
     stage = Usd.Stage.Open(str(tmp_path / "bare.usdc"))

@@ -71,6 +71,6 @@ def _formation_at(places: Array, formations: list[Array]) -> Array:
         bottom, top = box_of(blocks)
         if (low <= top).all() and (bottom <= high).all():
             near.append(blocks)
-    tried = places[:: max(len(places) // TRIED, 1)]
+    tried = np.ascontiguousarray(places[:: max(len(places) // TRIED, 1)])
     errors = [float(np.median(on_the_surface(blocks, tried, 0)[2])) for blocks in near]
     return near[int(np.argmin(errors))] if near else formations[0]
