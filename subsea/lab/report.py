@@ -77,7 +77,7 @@ def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measure
         "seconds": round(ticks * record.tick_s, 3),
         "fishes": n,
         "species": {
-            name: int((record.species == k).sum()) for k, name in enumerate(record.species_names)
+            name: int((record.species == k).sum()) for k, name in enumerate(record.keys)
         },
     }
     parts = {"sea": _sea, "minds": _minds, "schools": _schools, "captures": _captures,
@@ -119,7 +119,7 @@ def _minds(record: Record) -> Measured:
                 intention: _rounded(share)
                 for intention, share in zip(record.intention_names, row, strict=True)
             }
-            for name, row in zip(record.species_names, budget, strict=True)
+            for name, row in zip(record.keys, budget, strict=True)
         },
     }
 
@@ -214,7 +214,7 @@ def _food(record: Record) -> Measured:
         "meals": int(eaten.sum()),
         "meals_per_fish_minute": {
             name: _rounded(eaten[:, those].sum() / max(float(minutes[those].sum()), 1e-9))
-            for name, those in zip(record.species_names, of, strict=True)
+            for name, those in zip(record.keys, of, strict=True)
         },
     }
 

@@ -176,4 +176,5 @@ def live_records(world: World, ticks: int, fish_ticks: int) -> Iterator[record.R
             radius_cm=world.scenario.bounds.radius_cm,
             half_width_cm=float(world.state.sea.half_width),
             alarmed=world.nature.alarmed,
+            species_keys=tuple(world.scenario.species),
         )

@@ -194,6 +194,13 @@ class Record(NamedTuple):
     mental_state_names: list[str]
     courtship_names: list[str]
     kind_names: list[str]
+    species_keys: tuple[str, ...] = ()  # as scenarios name the species; older records have none
+
+    @property
+    def keys(self) -> list[str]:
+        """The species as scenarios name them, or their common names with underscores."""
+        names = [name.lower().replace(" ", "_") for name in self.species_names]
+        return [*self.species_keys] or names
 
 
 BY_MINDS = ("minds",)  # of a record in which nobody interferes
@@ -270,6 +277,11 @@ def read_record(path: Path) -> Record:
             radius_cm=hdf5.attribute(file, "radius_cm", float, where),
             half_width_cm=hdf5.attribute(file, "sea_half_width_cm", float, where),
             alarmed=hdf5.attribute(file, "nature_alarmed", float, where),
+            species_keys=tuple(
+                hdf5.texts(file, "species_keys", where)
+                if hdf5.has_attribute(file, "species_keys")
+                else ()
+            ),
         )
     _check(record, where)
     return record
@@ -329,6 +341,8 @@ def _check(record: Record, where: str) -> None:
             raise UserError(
                 f"expected fishes from 0 to {n - 1}, or -1", file=f"{where}/fish/{field}"
             )
+    if len(record.keys) != len(record.species_names):
+        raise UserError("expected a key for each of `species_names`", file=where)
     if len(record.species_names) != len(record.half_width):
         raise UserError(
             "expected a row for each of `species_names`", file=f"{where}/species/half_width"

@@ -49,7 +49,7 @@ def test_hunger_is_not_saturated_with_plankton(studied):
 
 def test_a_minute_has_several_activities(studied):
     budgets = studied["peaceful"]["minds"]["time_budget"]
-    assert budgets["Yellowback fusilier"]["school"] > 0.3
+    assert budgets["fusilier"]["school"] > 0.3
     assert sum(budget["eat"] for budget in budgets.values()) > 0.05
     assert studied["peaceful"]["food"]["meals"] > 0
 
