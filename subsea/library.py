@@ -38,7 +38,7 @@ from subsea.state import (
 from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.follow import follow_fish
-from subsea.view.retina import FIELD_DEG, Gaze, fish_eyes, retina_rig, retinal_views
+from subsea.view.retina import FIELD_DEG, OPENCV, Gaze, fish_eyes, retina_rig, retinal_views
 from subsea.view.rig import CameraPose, CameraRig, views
 from subsea.world import snapshot
 from subsea.world.build import create_world
@@ -333,11 +333,18 @@ _renderers: "weakref.WeakKeyDictionary[World, Renderer]" = weakref.WeakKeyDictio
 
 
 class Retina(NamedTuple):
-    """The pictures in both eyes of a fish, the left one first, top row first (Tu §6.7)."""
+    """The pictures in both eyes of a fish, the left one first, top row first (Tu §6.7).
+
+    Each is a flat perspective picture of 90° from left to right, so its focal length is f = w/2
+    pixels in both directions, and its middle is at ((w − 1)/2, (h − 1)/2), with the middle of the
+    upper left pixel at (0, 0). A point (x, y, z) in the axes of an eye is at the pixel
+    (f x/z + (w − 1)/2, f y/z + (h − 1)/2).
+    """
 
     picture: NDArray[np.uint8]  # (2, h, w, 3) red, green, blue
     identity: Ints  # (2, h, w) what each pixel shows: docs/how-to/fish-frames.md
     depth: Array  # (2, h, w) cm along the optical axis, infinite in open water
+    matrices: Array  # (2, 4, 4) from the world, cm, to the axes of each eye: right, down, ahead
 
 
 def camera(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> CameraPose:
@@ -384,7 +391,8 @@ def render(
         quality: "low", "medium" or "high".
 
     Returns:
-        The picture (h, w, 3), top row first.
+        The picture (h, w, 3), top row first. It is a flat perspective picture of 55° from top to
+        bottom, so its focal length is 0.96 h pixels in both directions.
 
     Raises:
         UserError: No OpenGL 3.3, or an unknown quality.
@@ -413,7 +421,8 @@ def retina(
         world: The world at its current tick.
         fish: Index of the fish.
         size: Width and height of the picture of one eye, pixels.
-        gaze: Pan to its right and tilt toward its back, degrees.
+        gaze: Pan to its right and tilt toward its back, degrees. Both eyes look along the body
+            without it.
         quality: "low", "medium" or "high".
 
     Raises:
@@ -425,14 +434,14 @@ def retina(
     by = fish_eyes(state, fish)
     rig = retina_rig(_checked(size), by.half_cm, Gaze(*gaze), FIELD_DEG)
     with _drawing(world, rig, quality) as renderer:
-        packet = pack(
-            state, retinal_views(state, by, rig, 1.0), 1.0, options=renderer.quality.packing
-        )
+        seeing = retinal_views(state, by, rig, 1.0)
+        packet = pack(state, seeing, 1.0, options=renderer.quality.packing)
         renderer.draw(packet)
         pictures = [renderer.read_pixels(side) for side in range(2)]
         seen = renderer.id_maps(packet)
     values, depth = (np.stack(np.split(one, 2, axis=1)) for one in (values_of(seen), seen.depth))
-    return Retina(np.stack(pictures), values, depth)
+    matrices = np.stack([OPENCV @ view.view.astype(np.float64) for view in seeing])
+    return Retina(np.stack(pictures), values, depth, matrices)
 
 
 @cache

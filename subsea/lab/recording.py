@@ -1,4 +1,4 @@
-"""Write the ticks of a world into a record, whoever steps it."""
+"""Write every tick of a world into a record, and by whom the world was moved."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -172,7 +172,7 @@ def recorder_of(
 
 @contextmanager
 def recorded(world: World, out: Path, provenance: Provenance) -> Iterator[None]:
-    """Record every tick that a world makes inside, whoever steps it, into `out`.
+    """Record into `out` every tick that a world makes inside, by any caller of `step`.
 
     An exception inside, as Ctrl-C, leaves a whole file of the ticks so far, which a note of the
     exception names, or no file without a tick. A UserError if no tick is made, or if the world does

@@ -96,7 +96,9 @@ def simulate(
 
 @contextmanager
 def record(world: World, out: PathText, *, force: bool = False) -> Iterator[Path]:
-    """Record every tick that a world makes inside a ``with`` block, whoever steps it.
+    """Record every tick that a world makes inside a ``with`` block.
+
+    The ticks may come from a loop, a pilot, an environment or a rule.
 
     Args:
         world: A world of `subsea.load`, or that of an environment: ``env.unwrapped.world``.

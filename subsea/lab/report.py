@@ -76,9 +76,7 @@ def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measure
         "ticks": ticks,
         "seconds": round(ticks * record.tick_s, 3),
         "fishes": n,
-        "species": {
-            name: int((record.species == k).sum()) for k, name in enumerate(record.keys)
-        },
+        "species": {name: int((record.species == k).sum()) for k, name in enumerate(record.keys)},
     }
     parts = {"sea": _sea, "minds": _minds, "schools": _schools, "captures": _captures,
              "mating": _mating, "food": _food}  # fmt: skip

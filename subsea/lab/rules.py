@@ -48,14 +48,14 @@ MORE: dict[str, Callable[[Ints, Groups, str], Any]] = {
         [groups[4].seed, groups[4].tick, zlib.crc32(name.encode())]
     ),
 }
-"""Parameters that are no array of the state."""
+"""Parameters beside the arrays of the state."""
 SENSED = {
     name: spec
     for name, spec in declared(Minds).items()
     if spec.writer == "perception"
     and (spec.within is None or spec.within[1] in ("n", "solids", "sites"))
 }
-"""What a sense may write. Other arrays point to different things in different fishes."""
+"""Arrays that a sense may write. The others point to different things in different fishes."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,11 @@ class Rule:
         """Refuse a function with unknown parameters: a UserError."""
         if not callable(self.function):
             raise TypeError(f"{self.use} {self.name!r}: expected a function, got {self.function!r}")
-        for one in self.parameters:
+        try:
+            wanted = self.parameters
+        except (TypeError, ValueError):
+            self.fail("the names of its parameters are unknown; wrap it in a function of Python")
+        for one in wanted:
             if one not in PARTS and one not in MORE:
                 hint = nearest(one, [*PARTS, *MORE]) or ""
                 self.fail(f"unknown parameter {one!r}{hint}; `subsea.rule` tells the names")
@@ -199,7 +203,7 @@ class Sensing:
 
     @property
     def description(self) -> str:
-        """What the sense writes, where the rule stands, and its hash."""
+        """The array that the sense writes, where the rule stands, and its hash."""
         return f"{self.rule.name}: {self.rule.description}"
 
     def __call__(

@@ -136,7 +136,7 @@ def record_run(
 
 @contextmanager
 def record_world(world: World, loaded: LoadedScenario, out: Path, force: bool) -> Iterator[None]:
-    """Record every tick that a world of a scenario makes inside, whoever steps it, into `out`.
+    """Record into `out` every tick that a world of a scenario makes inside.
 
     See `recorded` for what an exception leaves.
     """

@@ -49,14 +49,21 @@ from subsea.scenario.shoals import find_fish, with_total
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.levels import empty_lod_state
-from subsea.view.retina import FishEyes, Gaze, bodies_at, fish_eyes, retina_rig, retinal_views
+from subsea.view.retina import (
+    OPENCV,
+    FishEyes,
+    Gaze,
+    bodies_at,
+    fish_eyes,
+    retina_rig,
+    retinal_views,
+)
 from subsea.view.rig import CameraRig
 from subsea.world.world import World
 
 PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
 CAMERA = "camera.json"
 MM = 10.0  # per cm
-OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])  # from OpenGL's axes of an eye: y up, z backward
 CONVENTION = (
     "pinhole, square pixels, origin in the middle of the upper left pixel; x right, y down, "
     "z ahead; `left` and `right` of a frame are 4x4 matrices from the world (cm, z up) to the eye: "

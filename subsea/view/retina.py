@@ -24,6 +24,7 @@ from subsea.world.world import World
 
 FIELD_DEG = 90.0  # from left to right
 NEAR_CM = 0.5  # other fishes may come close
+OPENCV = np.diag([1.0, -1.0, -1.0, 1.0])  # from OpenGL's axes of an eye: y up, z backward
 SAMPLES = 161  # along and across a flank, to locate the eye
 
 

@@ -11,6 +11,7 @@ import pytest
 import subsea
 from subsea.behavior.intention import APPETITE, EASE
 from subsea.lab.rules import PARTS, SENSED, Rules, digest_of
+from subsea.media.record import read_origin
 from subsea.state import SCHOOL
 from tests.support.scenes import BARE
 
@@ -177,6 +178,8 @@ def test_rules_of_no_use_are_refused_when_they_are_made():
         subsea.rule("mine", north, desire=1.0, level="urgent")
     with pytest.raises(subsea.UserError, match=r"desire 1\.5, expected 0 to 1"):
         subsea.rule("mine", north, desire=1.5)
+    with pytest.raises(subsea.UserError, match="rule max: the names of its parameters are unknown"):
+        subsea.rule("mine", max)
     with pytest.raises(TypeError, match="behavior 'mine': expected a function, got 3"):
         subsea.rule("mine", 3)
     with pytest.raises(TypeError, match=r"behaviors: expected what subsea\.rule.*got <function"):
@@ -211,6 +214,7 @@ def test_a_simulation_has_rules_and_orders_and_says_so(tmp_path):
     assert found[:2] == ["a helm of the submarine", f"behavior mine: {mine.routine.description}"]
     assert found[2:] == ["minds", f"orders: {__name__}.dash sha256 {digest_of(dash)[:16]}",
                          "teleop commands"]  # fmt: skip
+    assert read_origin(path).moved_by == tuple(found)  # so it is compared with its like
     assert mine.routine.description.startswith(f"{__name__}.north sha256 ")
 
 

@@ -46,6 +46,14 @@ def test_a_fish_sees_others_and_not_itself(world):
     assert seen[0].picture.shape == (2, 64, 64, 3)
     assert seen[0].depth.shape == seen[0].identity.shape == (2, 64, 64)
     assert all(np.isfinite(one.depth[one.identity >= 10000]).all() for one in seen)
+    for one in seen:
+        for side, row, column in np.argwhere(one.identity >= 10000):
+            fish = one.identity[side, row, column] - 10000
+            z = one.depth[side, row, column]
+            eye = np.array([(column - 31.5) * z / 32, (row - 31.5) * z / 32, z, 1.0])
+            place = (np.linalg.inv(one.matrices[side]) @ eye)[:3]
+            far = np.linalg.norm(place - world.fishes.position[fish])
+            assert far < 0.7 * world.fishes.length[fish]  # a pixel of a fish is where the fish is
 
 
 def test_worlds_are_drawn_from_any_thread_and_freed(world):

@@ -69,6 +69,9 @@ def test_every_frame_has_pictures_and_maps_of_both_eyes(seen):
     assert len(files(seen.out)) == 8 * COUNT + 2
     assert [one["frame"] for one in seen.about["frames"]] == list(range(COUNT))
     assert [one["time_s"] for one in seen.about["frames"]] == [0.0, 0.2, 0.4]
+    times = [0.033 * (one["tick"] + one["between"]) for one in seen.about["frames"]]
+    assert times == pytest.approx([0.0, 0.2, 0.4])  # where the bodies of the picture are
+    assert [one["tick"] for one in seen.about["frames"]] == [0, 6, 12]
 
 
 def test_every_identity_is_in_the_table_and_its_own_is_not_in_the_maps(seen):
