@@ -1,4 +1,4 @@
-"""docs/pictures/panel-NAME.jpg: every panel over the bay.
+"""docs/pictures/panel-NAME.jpg: every panel over the bay, and the three cards as panel-cards.jpg.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_panel_pictures.py [NAME ...]
@@ -13,6 +13,7 @@ from imgui_bundle import imgui
 from picture_files import FOLDER, save, window_image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.ui.cards import CARDS
 from subsea.ui.dive import Dive
 from subsea.ui.panels import PANELS
 from subsea.ui.panels.physics import simulate
@@ -28,6 +29,7 @@ SEA_PX = 30, 8, 330, 24  # shown left, above, right and below of a panel
 BELOW_EYES_PX = 20, 386  # of the panel Fish view
 FADED_S = 8.0  # until the instruments have gone
 FRAME_S = 0.15
+VISITOR, CARDS_PX, CARDS_S = "Cards", (1120, 640), 3.0  # with pictures of the eyes that are drawn
 
 Panel = Callable[[Any], None]
 rect: list[float] = []
@@ -71,6 +73,18 @@ def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *chang
                 dive.inspector.chosen = FISH
 
 
+def show_cards() -> None:
+    """Save a picture of the three cards of visitors."""
+    display = DisplayOptions(size=CARDS_PX, quality="high")
+    with closing(Dive(DiveOptions("peaceful", seed=1, display=display))) as dive:
+        dive.overlay.hide_help()
+        wait(dive, FADED_S)
+        dive.inspector.toggle()
+        dive.inspector.shown = set(CARDS)
+        wait(dive, CARDS_S)
+        save(window_image(dive), FOLDER / f"panel-{VISITOR.lower()}.jpg")
+
+
 def arrange(dive: Dive, name: str) -> None:
     """Show a panel alone, with something in it."""
     dive.inspector.shown = {name}
@@ -100,10 +114,12 @@ def wait(dive: Dive, seconds: float, frame_s: float = FRAME_S) -> None:
 
 def main() -> None:
     """Make all pictures or the named ones."""
-    asked = sys.argv[1:] or list(PANELS)
+    asked = sys.argv[1:] or [VISITOR, *PANELS]
+    if VISITOR in asked:
+        show_cards()
     for name in PANELS:
         PANELS[name] = noting(name, PANELS[name])
-    others = [name for name in asked if name != MEASURED]
+    others = [name for name in asked if name not in (MEASURED, VISITOR)]
     if others:
         show(others, "peaceful", SIZE, "high")
     if MEASURED in asked:

@@ -52,7 +52,7 @@ PREYING = Shot("preying", 2, 410, (0, 1), (-50.0, -155.0, 6.0), (-28.0, -8.0, 6.
 THUMBNAILS = {
     "peaceful": BAY,
     "visitors": VISITORS,
-    "preying": PREYING,
+    "preying": Shot("preying", 2, 120, (0, 1), (125.0, -85.0, 5.0), (8.0, 8.0, 0.0)),
     "schooling": Shot("schooling", 3, 360, (0, 36), (-45.0, -110.0, 8.0), (0.0, 0.0, 0.0)),
     "mating": Shot("mating", 1, 150, (0, 3), (-27.0, 15.0, 2.0), (2.0, 4.0, 0.0)),
     "go-fish": Shot("go-fish", 1, 525, (15, 16), (-60.0, 20.0, 5.0), (0.0, 0.0, 0.0)),
@@ -64,8 +64,8 @@ THUMBNAIL, THUMBNAIL_QUALITY = (192, 108), 80
 FIRST, OTHER = (1600, 700), (1120, 500)
 SWIMMING = BAY._replace(tick=270)
 STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 62
-SHARE = (560, 130, 760, 290)  # of a picture, which is shown twice as large for each preset
-LETTERS, PLACES_WIDE = 18, 1500
+SHARE = (400, 190, 600, 350)  # of a picture, which is shown twice as large for each preset
+LETTERS, PLACES_WIDE = 18, 1280
 TUTORIALS = "first-dive.md", "first-fish.md"
 JEWEL = "reef_jewel"  # the species of the tutorials
 
