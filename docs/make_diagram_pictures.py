@@ -43,7 +43,7 @@ def plate() -> Image.Image:
     world, tour = start_world("peaceful"), Tour()
     builder, rig = DiagramBuilder(world), display_rig("mono", SIZE)
     for _ in range(TICKS):
-        step(world, tour.helm(world))
+        step(world, tour.steer(world))
         builder.follow()
     fishes, minds = world.state.fishes, world.state.minds
     led = minds.schools & (minds.leader >= 0)
@@ -78,7 +78,7 @@ def lights() -> Image.Image:
     for row, (name, ticks, place) in enumerate(LIT):
         world, tour = start_world(name), Tour()
         for _ in range(ticks):
-            step(world, tour.helm(world))
+            step(world, tour.steer(world))
         submarine = world.state.submarine
         if place is not None:
             x, y, high, heading, pitch = place

@@ -33,7 +33,7 @@ def main() -> None:
     with headless() as context:
         world, tour = start_world("peaceful"), Tour()
         while world.state.tick * TICK_S < SECONDS:
-            step(world, tour.helm(world))
+            step(world, tour.steer(world))
         with picture_maker(context, world, house.rig, quality) as renderer:
             observer = cockpit(world.state.submarine, 1.0)
             numbers = range(len(house.windows))
