@@ -1,8 +1,10 @@
 """Make the plots of studies: `python docs/make_study_plots.py [FOLDER]`.
 
-Records peaceful for ten minutes and schooling for two, plots both and prints the tables.
+Records peaceful for ten minutes and schooling for two, plots both and prints the tables. Also
+writes the end of the second table into docs/tutorials/first-study.md, which shows its command.
 """
 
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -20,6 +22,19 @@ SHOWN = {
 }
 
 
+PAGE = Path(__file__).parent / "tutorials" / "first-study.md"
+TABLE = re.compile(r"(?<=```text\n)school of.*?(?=```)", re.DOTALL)
+
+
+def write_table(lines: list[str]) -> None:
+    """Write the lines about schools into the tutorial."""
+    first = next(k for k, line in enumerate(lines) if line.startswith("school of"))
+    text = PAGE.read_text(encoding="utf-8")
+    assert TABLE.search(text)
+    rows = "\n".join(lines[first:]) + "\n"
+    PAGE.write_text(TABLE.sub(lambda _: rows, text), encoding="utf-8")
+
+
 def main() -> None:
     """Write `study-SCENARIO-PLOT.png` into the folder."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/pictures")
@@ -28,7 +43,10 @@ def main() -> None:
             file = Path(place) / "record.h5"
             simulate(ticks, file, scenario, None, None)
             record = read_record(file)
-            print("\n".join([scenario, *table(measure(record))]), flush=True)
+            lines = table(measure(record))
+            print("\n".join([scenario, *lines]), flush=True)
+            if scenario == "schooling":
+                write_table(lines)
             drawn = {path.stem: path for path in plot(record, Path(place))}
             for name in names:
                 picture = Image.open(drawn[name]).convert("RGB").quantize(64)

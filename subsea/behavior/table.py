@@ -112,7 +112,8 @@ class BehaviorTable(NamedTuple):
     desires: tuple[Desire, ...]
     level: Ints  # (d,) of each desire
     behavior: Ints  # (d,) code of the behavior that each desire leads to
-    whole: Bools  # (d,) whether a desire takes all fishes in one call
+    shared: tuple[tuple[int, Desire], ...]  # rows of `desires` that take any part of the fishes
+    whole: tuple[tuple[int, Desire], ...]  # the other rows, which take all fishes in one call
     tires: Bools  # (b,)
     seeks: Bools  # (b,)
 
@@ -126,12 +127,15 @@ def make_table(behaviors: Sequence[Behavior]) -> BehaviorTable:
     """Make the table of behaviors whose codes are their places in a list."""
     rows = desires_of(behaviors)
     codes = [code for _, code, _ in rows]
+    numbered = [(row, desire) for row, (_, _, desire) in enumerate(rows)]
+    whole = [behavior.whole for behavior in behaviors]
     return BehaviorTable(
         behaviors=tuple(behaviors),
         desires=tuple(desire for _, _, desire in rows),
         level=np.array([level for level, _, _ in rows]),
         behavior=np.array(codes),
-        whole=np.array([behaviors[code].whole for code in codes]),
+        shared=tuple(one for one, code in zip(numbered, codes, strict=True) if not whole[code]),
+        whole=tuple(one for one, code in zip(numbered, codes, strict=True) if whole[code]),
         tires=np.array([behavior.tires for behavior in behaviors]),
         seeks=np.array([behavior.seeks for behavior in behaviors]),
     )
@@ -185,9 +189,8 @@ def compute_desires(
     table: BehaviorTable = TABLE,
 ) -> None:
     """Fill `minds.desire` of the fishes `who`, except desires that take all fishes at once."""
-    for row, desire in enumerate(table.desires):
-        if not table.whole[row]:
-            desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
+    for row, desire in table.shared:
+        desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
 
 
 def compute_whole_desires(
@@ -200,8 +203,8 @@ def compute_whole_desires(
     table: BehaviorTable = TABLE,
 ) -> None:
     """Fill the other desires, for all fishes `who` of a tick."""
-    for row in np.flatnonzero(table.whole):
-        table.desires[row](who, fishes, minds, sea, nature, clock, minds.desire[row])
+    for row, desire in table.whole:
+        desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
 
 
 def run_routines(

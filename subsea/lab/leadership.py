@@ -86,10 +86,10 @@ def _correlation(ahead: Array, others: Array, lag: int) -> Array:
 def _peak(values: Array) -> float:
     """Find the place of the peak of a correlation (k,), between samples by a parabola.
 
-    NaN for a peak at an end, and for a flat one.
+    NaN for a flat peak, and for one from which the correlation hardly falls toward an end.
     """
     k = int(values.argmax()) if np.isfinite(values).all() else 0
-    if k in (0, len(values) - 1) or values[k] - min(values[0], values[-1]) < LEAST_DROP:
+    if k in (0, len(values) - 1) or values[k] - max(values[0], values[-1]) < LEAST_DROP:
         return float("nan")
     before, top, after = values[k - 1 : k + 2]
     return k + 0.5 * float(before - after) / min(float(before - 2.0 * top + after), -1e-12)
