@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
 from subsea.base.progress import say
-from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.table import BEHAVIORS, TABLE
 from subsea.biomechanics.body import body_frame, to_body
 from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
@@ -287,7 +287,7 @@ def make_tank(
     n: int = 1, seed: int = 1, specks: int = 0, pillars: Any = (), rocks: Any = (), **nature: float
 ) -> Tank:
     """`n` fishes of 20 cm in the middle of a flat sea, bound along x at 15 cm/s."""
-    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(DESIRES))
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(TABLE.desires))
     fishes.length[:] = 20.0
     fishes.snout[:] = 7.0
     fishes.girth[:] = 5.0, 2.0

@@ -175,8 +175,6 @@ def with_behaviors(given: Sequence[Behavior]) -> BehaviorTable:
 
 TABLE = make_table(BEHAVIORS)
 """The table of all worlds that are given no other behaviors."""
-DESIRES = desires_of(BEHAVIORS)
-LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES = TABLE.level, TABLE.behavior, TABLE.tires
 
 
 def compute_desires(
@@ -186,24 +184,10 @@ def compute_desires(
     sea: Sea,
     nature: Nature,
     clock: Clock,
-    table: BehaviorTable = TABLE,
+    rows: tuple[tuple[int, Desire], ...] = TABLE.shared,
 ) -> None:
-    """Fill `minds.desire` of the fishes `who`, except desires that take all fishes at once."""
-    for row, desire in table.shared:
-        desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
-
-
-def compute_whole_desires(
-    who: Ints,
-    fishes: Fishes,
-    minds: Minds,
-    sea: Sea,
-    nature: Nature,
-    clock: Clock,
-    table: BehaviorTable = TABLE,
-) -> None:
-    """Fill the other desires, for all fishes `who` of a tick."""
-    for row, desire in table.whole:
+    """Fill rows of `minds.desire` for the fishes `who`; `whole` rows need all of a tick."""
+    for row, desire in rows:
         desire(who, fishes, minds, sea, nature, clock, minds.desire[row])
 
 

@@ -92,7 +92,7 @@ class Rule:
 
     @cached_property
     def description(self) -> str:
-        """Where the function stands, and a hash of its text and of the values bound to it."""
+        """The names of its module and function, and a hash of its text and of its bound values."""
         return f"{place_of(self.function)} sha256 {digest_of(self.function)[:16]}"
 
     def call(self, who: Ints, groups: Groups) -> Any:
@@ -147,7 +147,7 @@ class Act:
 
     @property
     def description(self) -> str:
-        """Where the rule stands, with its hash."""
+        """The names and the hash of the rule."""
         return self.rule.description
 
     def __call__(
@@ -178,7 +178,7 @@ class Wish:
 
     @property
     def description(self) -> str:
-        """Where the rule stands, with its hash, or the strength."""
+        """The names and the hash of the rule, or the strength."""
         return self.rule.description if self.rule else f"{self.strength:g}"
 
     def __call__(
@@ -203,7 +203,7 @@ class Sensing:
 
     @property
     def description(self) -> str:
-        """The array that the sense writes, where the rule stands, and its hash."""
+        """The array that the sense writes, and the names and the hash of the rule."""
         return f"{self.rule.name}: {self.rule.description}"
 
     def __call__(
@@ -360,7 +360,7 @@ class Orders:
 
     @cached_property
     def description(self) -> str:
-        """Where the function stands, with its hash."""
+        """The names and the hash of the function."""
         return f"{place_of(self.function)} sha256 {digest_of(self.function)[:16]}"
 
     def __call__(self, state: State) -> Order:

@@ -20,7 +20,7 @@ from subsea.behavior.mating import end_courtships
 from subsea.behavior.mental_state import update_mental_state
 from subsea.behavior.moods import update_moods
 from subsea.behavior.steering import ease_goals
-from subsea.behavior.table import compute_desires, compute_whole_desires, run_routines
+from subsea.behavior.table import compute_desires, run_routines
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
 from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
@@ -196,8 +196,8 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     share(update_moods, who, LEAST_MINDS, fishes, minds, nature, clock)
     share(advance_inspections, who, LEAST_MINDS, fishes, minds, nature, clock)
     table = world.table
-    share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock, table)
-    compute_whole_desires(who, fishes, minds, sea, nature, clock, table)
+    share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock, table.shared)
+    compute_desires(who, fishes, minds, sea, nature, clock, table.whole)
     levels = table.level, table.behavior, table.tires
     share(choose_intention, free, LEAST_MINDS, minds, nature, *levels)
 

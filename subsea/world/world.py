@@ -49,7 +49,7 @@ class World:
     table: BehaviorTable = TABLE  # its behaviors and their desires
     # Functions that perceive more for the fishes that think, after their own senses.
     senses: tuple[Routine, ...] = ()
-    order: object = None  # what steered the last tick: see `step`
+    order: object = None  # the order of the last tick, as `step` takes it
     # The rocks, and the cells that list these rocks.
     _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
     # The sites, and these sorted by kind.

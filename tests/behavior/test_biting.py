@@ -6,7 +6,7 @@ import pytest
 from subsea.behavior import biting, eating
 from subsea.behavior.biting import BITE_BL, FOLLOWS, OUT_BL, TEMPTING, YANK_CM_S, bite
 from subsea.behavior.intention import choose_intention
-from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
+from subsea.behavior.table import BEHAVIORS, TABLE
 from subsea.state import BAIT, EAT, HANGING, HOOKED, HUNGER, NOBODY, PREDATOR, SINKING, STOWED
 
 RISE = 30.0
@@ -109,12 +109,10 @@ def test_struggling_comes_before_all_else(tank):
     one = _tank(tank, (0, 0, 0), (0, 0, 0))
     one.sea.catch[:] = HOOKED, 1
     one.minds.desire[:] = 1.0
-    for row, code in enumerate(BEHAVIOR_OF_DESIRE):
+    for row, code in enumerate(TABLE.behavior):
         if BEHAVIORS[code].name == "struggle":
             biting.hooked_desire(np.arange(2), *one, one.minds.desire[row])
-    choose_intention(
-        np.arange(2), one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
-    )
+    choose_intention(np.arange(2), one.minds, one.nature, TABLE.level, TABLE.behavior, TABLE.tires)
     assert [BEHAVIORS[code].name for code in one.minds.intention] == ["avoid", "struggle"]
 
 

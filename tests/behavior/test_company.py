@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import company, curious, death, eating, escaping, mating, schooling, wandering
 from subsea.behavior.intention import choose_intention
-from subsea.behavior.table import BEHAVIOR_OF_DESIRE, INTENTIONS, LEVEL_OF_DESIRE, TIRES
+from subsea.behavior.table import INTENTIONS, TABLE
 from subsea.perception.focusser import set_targets
 from subsea.state import EAT, MATE, NOBODY, PREDATOR, PREY, SPAWNING, SUBMARINE
 from subsea.state.feelings import feel, feeling_for
@@ -118,8 +118,8 @@ def test_the_intention_generator_knows_both_behaviors(tank):
         t.fishes.position[1] = 0.0, 100.0, -300.0
         feel(t.minds, 0, 1, -0.9 if name == "shun" else 0.9)
         t.minds.desire[:], t.minds.held[:] = 0.0, np.inf  # no intention is too new to change
-        row = [code == INTENTIONS.index(name) for code in BEHAVIOR_OF_DESIRE].index(True)
+        row = [code == INTENTIONS.index(name) for code in TABLE.behavior].index(True)
         t.minds.desire[row] = t.desire(desire)
-        levels = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
+        levels = TABLE.level, TABLE.behavior, TABLE.tires
         choose_intention(np.arange(2), t.minds, t.nature, *levels)
         assert INTENTIONS[t.minds.intention[0]] == name

@@ -6,7 +6,7 @@ import pytest
 from subsea.behavior import curious
 from subsea.behavior.curious import FORGETS, FRESH_S, SATED_S, WATCH_CM, place_before
 from subsea.behavior.intention import choose_intention
-from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
+from subsea.behavior.table import BEHAVIORS, TABLE
 from subsea.state import CURIOUS, PREY, WANDER
 
 
@@ -44,12 +44,12 @@ def test_it_looks_its_fill_and_comes_back_a_minute_later(tank):
     one.minds.pause[:] = 0.1
     for _ in range(2400):
         one.minds.desire[:] = 0.0
-        for row, code in enumerate(BEHAVIOR_OF_DESIRE):
+        for row, code in enumerate(TABLE.behavior):
             if code == WANDER:
                 one.minds.desire[row] = 0.01
             if code == CURIOUS:
                 curious.desire(who, *one, one.minds.desire[row])
-        choose_intention(who, one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        choose_intention(who, one.minds, one.nature, TABLE.level, TABLE.behavior, TABLE.tires)
         looks.append(one.minds.intention == CURIOUS)
     looks = np.array(looks)
     for i, identity in enumerate(one.fishes.identity):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.behavior.death import remove
-from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.table import BEHAVIORS, TABLE
 from subsea.state import (
     APPROACHING,
     MATE,
@@ -18,7 +18,7 @@ from subsea.state import (
 
 
 def _some(n):
-    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(DESIRES))
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(TABLE.desires))
     fishes.goal_direction[:, 0] = 1.0
     return fishes, minds
 

@@ -27,7 +27,7 @@ from subsea.behavior.escaping import (
     rule_of,
     turn_of,
 )
-from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.table import BEHAVIORS, TABLE
 from subsea.behavior.threat_memory import WARNED_S
 from subsea.state import (
     ESCAPE,
@@ -59,7 +59,7 @@ def around(tank):
 
 def _pair(place, heading=0.0, speed=40.0):
     """A fish at the origin that heads along x, and a predator at `place` with its heading, rad."""
-    fishes, minds = empty(Fishes, n=2), empty(Minds, n=2, b=len(BEHAVIORS), d=len(DESIRES))
+    fishes, minds = empty(Fishes, n=2), empty(Minds, n=2, b=len(BEHAVIORS), d=len(TABLE.desires))
     fishes.length[:] = 20.0, 60.0
     fishes.position[0] = 0.0, 0.0, -300.0
     fishes.position[1] = np.array(place) + (0.0, 0.0, -300.0)

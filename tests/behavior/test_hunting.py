@@ -37,7 +37,7 @@ from subsea.behavior.hunting import (
     suction,
 )
 from subsea.behavior.patrolling import SHADOW_BL, SHADOWS, patrol
-from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.behavior.table import BEHAVIORS, TABLE
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import (
@@ -79,7 +79,7 @@ def around(tank):
 def _hunter(*prey, kind=PREY, length=20.0, gape=1.0):
     """A hungry hunter that heads along x, and fishes at places relative to its mouth."""
     n = 1 + len(prey)
-    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(DESIRES))
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=len(BEHAVIORS), d=len(TABLE.desires))
     fishes.length[:] = length
     fishes.length[0], fishes.snout[0] = LENGTH, SNOUT
     fishes.position[0] = 0.0, 0.0, -300.0

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from subsea.behavior.intention import DWELL_S, MEMORY_S, choose_intention, tiredness
-from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, DESIRES, LEVEL_OF_DESIRE, TIRES
+from subsea.behavior.table import BEHAVIORS, TABLE, desires_of
 from subsea.state import AVOID, EAT, ESCAPE, LEAVE, MATE, SCHOOL, WANDER
 
 ONE = np.zeros(1, np.int64)
 
 
 def _row(code, level=None):
-    for row, (its_level, behavior, _) in enumerate(DESIRES):
+    for row, (its_level, behavior, _) in enumerate(desires_of(BEHAVIORS)):
         if behavior == code and level in (None, its_level):
             return row
     raise AssertionError("no such desire")
@@ -28,7 +28,7 @@ def mind(tank):
         for key, value in desires.items():
             t.minds.desire[_row(*key) if isinstance(key, tuple) else _row(key)] = value
         t.minds.pause[:] = seconds
-        choose_intention(ONE, t.minds, t.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+        choose_intention(ONE, t.minds, t.nature, TABLE.level, TABLE.behavior, TABLE.tires)
         return int(t.minds.intention[0])
 
     return decide, t.minds
@@ -38,7 +38,7 @@ def test_the_codes_are_the_rows_of_the_table():
     names = ("avoid", "escape", "school", "eat", "mate", "leave", "wander")
     assert tuple(b.name for b in BEHAVIORS)[:7] == names
     assert tuple(range(7)) == (AVOID, ESCAPE, SCHOOL, EAT, MATE, LEAVE, WANDER)
-    assert (np.diff(LEVEL_OF_DESIRE) >= 0).all()
+    assert (np.diff(TABLE.level) >= 0).all()
 
 
 @pytest.mark.parametrize(

@@ -38,11 +38,11 @@ def test_desires_come_by_urgency_and_each_intention_runs_its_routine(tank):
     assert [row[:2] for row in desires] == [(table.DANGER, 1), (table.EASE, 0), (table.EASE, 1)]
     t = tank(2)
     own = table.make_table(behaviors)
-    given = np.arange(2), t.fishes, t.minds, t.sea, t.nature, t.clock, own
-    table.compute_desires(*given)
+    given = np.arange(2), t.fishes, t.minds, t.sea, t.nature, t.clock
+    table.compute_desires(*given, own.shared)
     assert t.minds.desire[:3].tolist() == [[0.75, 0.75], [0.25, 0.25], [0.25, 0.25]]
     t.minds.intention[:] = 1, 0
-    table.run_routines(*given)
+    table.run_routines(*given, own)
     assert t.fishes.goal_speed.tolist() == [1.0, 0.0]
 
 
@@ -54,7 +54,7 @@ def test_a_fish_that_lost_what_it_seeks_wanders(tank):
     minds.home[:], minds.home_range[:] = t.fishes.position, np.inf
     t.fishes.position[1] = 60.0, 0.0, -300.0
     t.fishes.fast[:] = 60.0
-    minds.desire[np.flatnonzero(table.BEHAVIOR_OF_DESIRE == GUARD), 0] = 0.9
+    minds.desire[np.flatnonzero(table.TABLE.behavior == GUARD), 0] = 0.9
     minds.waypoint[:] = t.fishes.position + np.float32([0.0, 400.0, 0.0])
     minds.patience[:] = 100.0
     table.run_routines(np.arange(3), t.fishes, minds, t.sea, t.nature, t.clock)
@@ -90,10 +90,10 @@ def test_what_takes_all_fishes_is_never_cut_up(tank):
     n = 2 * table.LEAST_PART + 2
     t = tank(n)
     own = table.make_table([table.Behavior("all", act, ((table.EASE, wish),), whole=True)])
-    given = np.arange(n), t.fishes, t.minds, t.sea, t.nature, t.clock, own
+    given = np.arange(n), t.fishes, t.minds, t.sea, t.nature, t.clock
     t.minds.intention[:] = 0
-    table.compute_desires(*given)
+    table.compute_desires(*given, own.shared)
     assert not calls
-    table.compute_whole_desires(*given)
-    table.run_routines(*given)
+    table.compute_desires(*given, own.whole)
+    table.run_routines(*given, own)
     assert calls == [("wish", n), ("act", n)]

@@ -334,7 +334,7 @@ def _levels(
             seen[v, i] = d - radii[i] < reach
             if seen[v, i]:
                 pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
-        # What is large in the picture is never coarser than at full detail: its edges would show.
+        # The straight edges of a coarse level would show in large items: these have full detail.
         full = min(max(pixels / LARGE_PX - 1.0, 0.0), 1.0) if detail < 1.0 else 0.0
         pixels *= detail + full * (1.0 - detail)
         new = before[i] == OUT_OF_SIGHT
