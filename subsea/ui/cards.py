@@ -176,11 +176,10 @@ def sea(context: PanelContext) -> None:
         moved.start, moved.source = (dive.scenario, world.current_cm_s), dive.source
     imgui.push_item_width(WIDE * line)
     _current(context)
-    _title(marked("Hour of the day"))
     now = hour_at(water.hour, water.day_minutes, world.state.tick * TICK_S)
     shown = now if moved.hour is None else moved.hour
-    clock = f"{int(shown):02d}:{int(shown % 1.0 * 60.0):02d}"
-    changed, hour = imgui.slider_float("##hour", shown, 0.0, HOURS - 0.1, clock, CLAMP)
+    _title(marked("Hour of the day"), f"{int(shown):02d}:{int(shown % 1.0 * 60.0):02d}")
+    changed, hour = imgui.slider_float("##hour", shown, 0.0, HOURS - 0.1, "", CLAMP)
     if changed:
         moved.hour = round(hour, 1)
     if imgui.is_item_deactivated_after_edit() and moved.hour is not None:
@@ -205,8 +204,12 @@ def water_at(scenario: Scenario, hour: float) -> Scenario:
     return replace(scenario, water=replace(scenario.water, hour=round(hour, 2)))
 
 
-def _title(words: str) -> None:
+def _title(words: str, value: str) -> None:
+    """Write what the next slider sets, and its value at the right, where no handle covers it."""
     imgui.text_colored((*QUIET, 1.0), translated(words))
+    right = imgui.get_cursor_start_pos().x + WIDE * imgui.get_font_size()
+    imgui.same_line(right - imgui.calc_text_size(value).x)
+    imgui.text(value)
 
 
 def _current(context: PanelContext) -> None:
@@ -214,10 +217,9 @@ def _current(context: PanelContext) -> None:
     world = context.dive.world
     x, y = world.current_cm_s
     strength = math.hypot(x, y)
-    _title(marked("Current"))
-    moved, wanted = imgui.slider_float(
-        "##current", strength, 0.0, max(STRONGEST_CM_S, strength), "%.0f cm/s", CLAMP
-    )
+    _title(marked("Current"), f"{strength:.0f} cm/s")
+    most = max(STRONGEST_CM_S, strength)
+    moved, wanted = imgui.slider_float("##current", strength, 0.0, most, "", CLAMP)
     if moved:
         way = (x / strength, y / strength) if strength else (1.0, 0.0)
         world.current_cm_s = round(wanted * way[0], 2), round(wanted * way[1], 2)
@@ -236,14 +238,13 @@ def _fishes(context: PanelContext, moved: Moved) -> None:
     kind = 0 if context.chosen is None else int(fishes.species[context.chosen])
     if moved.start is None:
         return
-    _title(world.species[kind].name)
     species, scenario = dive.scenario.species[kind], dive.scenario
     there = counts(scenario).fishes[species]
     first = counts(moved.start[0]).fishes.get(species, 0)
     most = min(max(MORE_FISHES * first, LEAST_FISHES), MAX_FISHES)
-    changed, number = imgui.slider_int(
-        "##fishes", there if moved.fishes is None else moved.fishes, 0, max(most, there), "%d"
-    )
+    shown = there if moved.fishes is None else moved.fishes
+    _title(world.species[kind].name, str(shown))
+    changed, number = imgui.slider_int("##fishes", shown, 0, max(most, there), "")
     if changed:
         moved.fishes = min(max(number, 0), max(most, there))
     if imgui.is_item_deactivated_after_edit() and moved.fishes is not None:

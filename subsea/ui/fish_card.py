@@ -122,7 +122,8 @@ class FishCard:
         reach = abs(rim_x - x) * nearer + AWAY * line
         left = x + reach if x + reach + wide < size.x else x - reach - wide
         left = min(max(left, 0.3 * line), max(size.x - wide - 0.3 * line, 0.0))
-        top = min(max(y - high / 2, 0.3 * line), max(size.y - high - 0.3 * line, 0.0))
+        foot = min(size.y, dive.overlay.foot) - 0.3 * line  # it covers no instruments
+        top = min(max(y - high / 2, 0.3 * line), max(foot - high, 0.0))
         self.area = (left, top), (left + wide, top + high)
         canvas = imgui.get_background_draw_list()
         canvas.add_rect_filled(*self.area, colour(GLASS, ground(0.8) * self.opacity), 0.35 * line)

@@ -43,6 +43,8 @@ TAPE = 15.0  # width of the compass, in heights of letters
 SPAN_DEG = 60.0  # range of the compass to either side
 BAR = 5.5  # length of the speed bar
 HIGH = 4.4  # height of all instruments
+BESIDE = 9.7  # width of the instrument at either side of the compass
+GAP = 1.6  # between the compass and the instruments at its sides
 POINTS = {0: marked("N"), 90: marked("E"), 180: marked("S"), 270: marked("W")}
 
 Mode = Literal["as needed", "always", "never"]
@@ -106,15 +108,26 @@ class Hud:
         """Draw them in the current frame of the gui."""
         if self.opacity == 0.0:
             return
-        size, line = imgui.get_io().display_size, imgui.get_font_size()
+        size, line, wide = imgui.get_io().display_size, imgui.get_font_size(), _tape()
         canvas = imgui.get_background_draw_list()
-        wide = min(TAPE * line, 0.42 * size.x)
         middle, foot = size.x / 2, size.y - 1.1 * line
         _backing(canvas, middle, wide, size, self.opacity)
         _compass(canvas, middle, foot, wide, now.heading_deg, self.opacity)
-        gap = wide / 2 + 1.6 * line
+        gap = wide / 2 + GAP * line
         _depth(canvas, middle - gap, foot, now.depth_m, self.opacity)
         _speed(canvas, middle + gap, foot, now, self.opacity)
+
+
+def instruments_area() -> tuple[float, float, float, float]:
+    """Left, top, width and height of all instruments in the current frame."""
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    wide = _tape() + 2.0 * (GAP + BESIDE) * line
+    return (size.x - wide) / 2, size.y - (1.1 + HIGH) * line, wide, HIGH * line
+
+
+def _tape() -> float:
+    """The width of the compass."""
+    return min(TAPE * imgui.get_font_size(), 0.42 * float(imgui.get_io().display_size.x))
 
 
 def _backing(canvas: Any, middle: float, wide: float, size: Any, opacity: float) -> None:

@@ -173,6 +173,10 @@ class Inspector(PanelContext):
         """True if the pointer uses panels rather than steers."""
         return self.dive.gui.open
 
+    def covers(self, area: Area) -> bool:
+        """True if a drawn card or panel hides a part of an area of the screen."""
+        return self.open and covers([*self.cards.values(), *self.areas.values()], area)
+
     def toggle(self) -> None:
         """Open or close it; open panels stay open."""
         gui = self.dive.gui

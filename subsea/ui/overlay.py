@@ -67,14 +67,18 @@ class Overlay:
         """Opacity of the whole help, which covers the middle of the picture."""
         return self.help_opacity if self._full else 0.0
 
-    def draw(self, now: Reading, dt: float, circumstances: str = "", away: bool = False) -> None:
+    def draw(
+        self, now: Reading, dt: float, circumstances: str = "", away: bool = False,
+        covered: bool = False,
+    ) -> None:  # fmt: skip
         """Draw help, notes and instruments, `dt` seconds after the last frame.
 
-        `circumstances` is a text that stays. `away` from the helm there are no instruments.
+        `circumstances` is a text that stays. `away` from the helm there are no instruments, nor
+        while a card or panel has them `covered`.
         """
         self._note_s -= dt
         self._fade(abs(now.ahead_m_s) * 100.0 * dt, dt, away)
-        self.hud.update(now, dt, wanted=not away)
+        self.hud.update(now, dt, wanted=not (away or covered))
         self.hud.draw(now)
         size, line = imgui.get_io().display_size, imgui.get_font_size()
         # Text stays above the instruments even while they are hidden, so that it does not jump.

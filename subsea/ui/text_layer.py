@@ -20,7 +20,14 @@ from subsea.ui.gui import (
     ground,
     look,
 )
-from subsea.ui.hud import Vignette, draw_horizon, draw_sea_edge, edge_reading, instrument_reading
+from subsea.ui.hud import (
+    Vignette,
+    draw_horizon,
+    draw_sea_edge,
+    edge_reading,
+    instrument_reading,
+    instruments_area,
+)
 from subsea.view.front_screen import FrontView, TextViewport
 from subsea.view.rig import CameraRig
 from subsea.view.theatre_vessel import PANEL_SIZE
@@ -86,7 +93,8 @@ class TextLayer:
                 self.vignette.most = dive.pilot.settings.comfort.headset_vignette
             if not dive.menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
-                overlay.draw(now, elapsed_s, self.status, not at_helm)
+                covered = dive.inspector.covers(instruments_area())
+                overlay.draw(now, elapsed_s, self.status, not at_helm, covered)
                 if at_helm:
                     edge = edge_reading(submarine, dive.world.scenario.bounds)
                     opacity = edge.opacity * (1.0 - overlay.covered)

@@ -98,7 +98,7 @@ def test_the_card_of_eyes_shows_what_both_eyes_see(opened, user):
     assert np.abs(user.screen(opened)[-40:] - before[-40:]).mean() < 20.0
 
 
-def test_large_letters_shrink_until_cards_are_apart(opened, user):
+def test_large_letters_shrink_until_cards_are_apart(opened, user, monkeypatch):
     opened.inspector.chosen = None  # no fish in the way
     glfw.set_window_size(opened.window.handle, 800, 500)
     try:
@@ -108,6 +108,12 @@ def test_large_letters_shrink_until_cards_are_apart(opened, user):
             user.glide(opened, 2.0)
             assert len(opened.inspector.cards) == 3 and apart(opened.inspector.cards)
         assert opened.inspector._fit < 1.0
+        hud = opened.overlay.hud
+        opened.preferences.set_display(text="normal")
+        monkeypatch.setattr(hud, "mode", "always")
+        user.until(opened, lambda: hud.opacity == 0.0)  # a card lies over the instruments
+        monkeypatch.setattr(opened.inspector, "shown", set())
+        user.until(opened, lambda: hud.opacity == 1.0)
     finally:
         opened.preferences.set_display(text="normal")
         glfw.set_window_size(opened.window.handle, 640, 480)

@@ -74,14 +74,14 @@ def test_there_is_none_over_water_nor_behind_menu_and_panels(boat, user):
     assert boat.card.fish is None
 
 
-@pytest.mark.parametrize("x", [0.06, 0.94])
-def test_it_stays_in_the_picture_and_off_its_fish(boat, user, monkeypatch, x):
+@pytest.mark.parametrize(("x", "y"), [(0.06, 0.4), (0.94, 0.9)])
+def test_it_stays_in_the_picture_and_off_its_fish(boat, user, monkeypatch, x, y):
     drawn = []
     monkeypatch.setattr(fish_card, "colour", lambda rgb, alpha=1.0: (drawn.append(rgb), 0)[1])
-    put(boat, user, x)
+    put(boat, user, x, y)
     user.until(boat, lambda: boat.card.opacity == 1.0)
     assert boat.card.fish == 0 and drawn
     low, high = boat.card.area
-    assert low[0] >= 0.0 and high[0] <= SIZE[0] and low[1] >= 0.0 and high[1] <= SIZE[1]
+    assert low[0] >= 0.0 and high[0] <= SIZE[0] and low[1] >= 0.0 and high[1] <= boat.overlay.foot
     assert not (low[0] < x * SIZE[0] < high[0])
     assert np.isfinite([*low, *high]).all()
