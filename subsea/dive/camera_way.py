@@ -1,13 +1,14 @@
 """The way of the submarine when a tour or a direction steers it: smooth, and clear of solids."""
 
+import itertools
 import math
 
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.geometry.solids import height_at, ray_meets_pillar, ray_meets_rock
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import Vector, vector
-from subsea.habitat.contact import clearance, out_of_solids
+from subsea.habitat.contact import clearance, out_of_solids, stands_between
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.vessel import ACCELERATION_CM_S2, AHEAD_CM_S, keep_clear
 from subsea.world.world import TICK_S, World
@@ -15,7 +16,10 @@ from subsea.world.world import TICK_S, World
 SHORTEST_S = 1.2  # least time for the rest of a way: smooths the pursuit of fishes
 HASTE = 1.6  # peak over mean speed on a way with a smooth start and end
 AROUND = [math.radians(side * turn) for turn in range(0, 181, 20) for side in (1, -1)]
-RISES = (0.0, 0.4, 0.9)  # tangents of the higher views tried around obstacles
+# Tangents of the higher views tried around obstacles, then of lower ones, for a subject near the
+# surface.
+RISES = (0.0, 0.4, 0.9, 1.4, -0.4, -0.9)
+FARTHER = 1.0, 1.6, 2.5  # shares of a distance, where it is not free
 MARGIN_CM = 10.0  # added to pillars and rocks when they hide something
 DETOURS = np.radians([20.0, 35.0, 50.0, 65.0, 80.0])  # tried in turn, to get around an obstacle
 DETOUR_CM = 300.0
@@ -24,25 +28,25 @@ DETOUR_CM = 300.0
 def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
     """True if a pillar or rock lies between a and b, except one that contains b."""
     sea = world.state.sea
-    return any(0.0 < ray_meets_pillar(row, margin, b, a) <= 1.0 for row in sea.pillars) or any(
-        0.0 < ray_meets_rock(row, margin, b, a) <= 1.0 for row in sea.rocks
-    )
+    return bool(stands_between(sea.pillars, sea.rocks, a, b, margin))
 
 
 def beside(world: World, target: Array, way: Array, slope: float, far: float) -> Array:
-    """A free place, `far` cm from a target, about in direction `way`; else the submarine's."""
+    """A free place, `far` cm from a target or more, about in direction `way`.
+
+    The submarine's if there is none.
+    """
     sea, bounds = world.state.sea, world.scenario.bounds
     bearing = math.atan2(way[1], way[0])
-    for rise in RISES:
-        for turn in AROUND:
-            side = np.array([math.cos(bearing + turn), math.sin(bearing + turn), slope + rise])
-            place = target + far / np.linalg.norm(side) * side
-            floor = height_at(sea.floor, sea.half_width, place[0], place[1])
-            place[2] = min(max(place[2], floor + HULL_CM + MARGIN_CM), -HULL_CM)
-            free = clearance(sea.pillars, sea.rocks, vector(place)) > HULL_CM + MARGIN_CM
-            inside = math.hypot(place[0], place[1]) < bounds.radius_cm - HULL_CM
-            if free and inside and not hidden(world, vector(place), vector(target), MARGIN_CM):
-                return place
+    for more, rise, turn in itertools.product(FARTHER, RISES, AROUND):
+        level, ahead = more * far / math.hypot(1.0, slope + rise), bearing + turn
+        place = target + level * np.array([math.cos(ahead), math.sin(ahead), slope + rise])
+        floor = height_at(sea.floor, sea.half_width, place[0], place[1])
+        free = floor + HULL_CM + MARGIN_CM < place[2] < -HULL_CM
+        free = free and math.hypot(place[0], place[1]) < bounds.radius_cm - HULL_CM
+        free = free and clearance(sea.pillars, sea.rocks, vector(place)) > HULL_CM + MARGIN_CM
+        if free and not hidden(world, vector(place), vector(target), MARGIN_CM):
+            return place
     return world.state.submarine.position.copy()
 
 

@@ -15,7 +15,6 @@ from subsea.habitat.contact import clearance
 from subsea.state import (
     APPROACHING,
     CIRCLING,
-    COURTSHIP,
     EAT,
     HOOKED,
     NOBODY,
@@ -34,14 +33,17 @@ from subsea.submarine.vessel import (
     middle_of,
     rail_at,
 )
+from subsea.view.display_rigs import WINDOW_AHEAD_CM
 from subsea.world.world import TICK_S, World
 
 # Kinds of subjects, the most interesting first.
 HOOK, HUNT, PAIR, FISH, SHOAL = range(5)
+DWELL_S = 8.0  # least time for a hunt, a pair or a large fish
 KEEP_S = 4.0  # time to keep looking at an ended subject: it may only be interrupted
 FAITH = 0.5  # factor on the distance of the current hunter or pair, which is preferred
 DIPPED_CM = 30.0  # least depth of a hook to look at
 COURT_CM, APART_CM = 350.0, 120.0  # largest distance of a pair to look at, and of its members
+TO_ITS_END = 10**6  # in place of the stage of a pair that is kept
 HUNT_CM = 900.0  # and of a hunter: farther ones are specks, and outrun the submarine
 # A shoal and a large fish by turns; of fewer fishes than FEW it shows a large one instead.
 SHOAL_S, FISH_S, FEW = 20.0, 40.0, 6
@@ -49,16 +51,22 @@ FISH_CM, LARGE_CM = 700.0, 26.0  # largest distance of a large fish, and least l
 BEHIND = 1.5  # the larger, the less does it matter where a large fish is in the picture
 AWAY = 0.25  # weight of the way to a large fish beside the distance that it is seen from
 FASTEST = 2.0  # lengths a second of a fish that is framed easily
-HIDES_CM = 25.0  # nearer to the ground a fish is hidden by growth, and out of the hull's reach
+# Nearer to the ground a fish is hidden by growth, and out of the hull's reach: it counts less.
+HIDES_CM, HIDDEN = 25.0, 0.35
 BAIT_CM = 120.0  # largest distance of a fish from a hook to be shown with it
+SMALL_CM = 16.0  # smaller fishes at a hook and in pairs are specks at the hull's least distance
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
-SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 110.0, 80.0, 66.0, 600.0
+SHOAL_CM, PAIR_CM, NEAREST_CM, FARTHEST_CM = 110.0, 66.0, 58.0, 600.0
 # Framing. A picture is about 1.85 times as wide as its subject is far away, and 1.04 times as high.
-GATHERED, SHIFTS = 0.2, 3  # reach of a shoal over the visibility, and steps to find its middle
+GATHERED, SHIFTS = 0.12, 3  # reach of a shoal over the visibility, and steps to find its middle
 MOST = 0.8  # share of those gathered within its width
 FILLED, FAR = 1.8, 0.45  # distance of a shoal over its width; at most, over the visibility
-PACE_S = 2.2  # least distance of a moving fish over its speed, as the view turns slowly
+# Least distance of a moving fish over its speed, as the view turns slowly, up to a share of its
+# distance at rest: from the side it covers a twentieth of the picture at 3.2 times the root of
+# length times height.
+PACE_S, SMALLEST, SIDE_ON = 2.2, 1.1, 1.9
+SPECKS = 10.0  # most distance of a shoal over the length of its fishes
 PORTRAIT = 1.15  # distance of one fish over its length: from the side half of the width
 TOGETHER = 1.2  # L: farther apart than this, only the first of two fishes is framed
 LEAD, LEAD_CM_S = 0.05, 12.0  # room before a moving shoal over its distance; a brisk speed
@@ -93,12 +101,16 @@ def steer_along(world: World, course: Course | None) -> Steer:
 class Subject(NamedTuple):
     """The subject of a tour: a kind from HOOK to SHOAL, and its members.
 
-    Members of a hook: its catch or a fish nearby, if any; of a hunt: hunter and prey; of a pair:
-    male and female; of a large fish: itself; of a shoal: its species and number of living fishes.
+    Members of a hook: its catch, else a fish nearby; of a hunt: hunter and prey; of a pair: male
+    and female; of a large fish: itself; of a shoal: its species and number of living fishes.
     """
 
     kind: int
     members: tuple[int, ...] = ()
+
+    def same_as(self, other: "Subject") -> bool:
+        """True if both are of one kind and led by the same fish."""
+        return self.kind == other.kind and self.members[:1] == other.members[:1]
 
 
 class Tour:
@@ -111,6 +123,7 @@ class Tour:
     def __init__(self) -> None:
         self.subject: Subject | None = None
         self.aim: Array = np.zeros(4)  # cm: the place to look at, and its distance
+        self._since = 0.0  # s, when the subject was chosen
         self._seen = 0.0  # s, world time, when the subject was last seen
         self._rate: Array = np.zeros(4)  # cm/s, of the aim
 
@@ -141,13 +154,21 @@ class Tour:
         worse = found and found[0].kind > kind > HOOK
         if worse and now - self._seen < KEEP_S:
             return self.subject
+        if self.subject and HOOK < kind < SHOAL and now - self._since < DWELL_S:
+            still = [one for one in found if one.same_as(self.subject)]
+            if still:
+                self._seen = now
+                return still[0]
+        if found and not (self.subject and found[0].same_as(self.subject)):
+            self._since = now
         self._seen = now
         return found[0] if found else None
 
     def _accompany(self, world: World, now: float) -> Rail:
         """The submarine a tick later, on its way to the side of the subject."""
         boat, target, going = world.state.submarine, self.aim[:3], self._rate[:3]
-        far = max(self.aim[3] * (1.0 - NEARER * _swing(now, NEARER_S)), NEAREST_CM)
+        least = PAIR_CM if self.subject and self.subject.kind == PAIR else NEAREST_CM
+        far = max(self.aim[3] * (1.0 - NEARER * _swing(now, NEARER_S)), least)
         away = boat.position - target
         shown, slope = going, 0.0
         if self.subject and self.subject.kind == FISH:
@@ -183,10 +204,10 @@ def _side(way: Array, going: Array) -> float:
 def _subjects(world: World, present: Subject | None, now: float) -> list[Subject]:
     """All possible subjects, the most interesting first.
 
-    The nearest hunt and the furthest advanced pair come first; the current ones are preferred, and
-    a pair that circles is kept to its end. Hunts count within HUNT_CM, or the visibility
-    if that is less, pairs within COURT_CM. Without them it looks at a shoal and a large fish by
-    turns.
+    A hook with a fish near it comes first, then the nearest hunt, then the pair that is far
+    advanced, large and near. The current ones are preferred, and a pair that circles is kept to
+    its end. Hunts count within HUNT_CM, or the visibility if that is less, pairs within COURT_CM.
+    Without them it looks at a shoal and a large fish by turns.
     """
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     if len(fishes.position) == 0:
@@ -194,9 +215,9 @@ def _subjects(world: World, present: Subject | None, now: float) -> list[Subject
     found = []
     state, catch = (int(value) for value in sea.catch)
     if SINKING <= state <= HOOKED and sea.hook[2] < -DIPPED_CM:
-        if catch < 0:
-            catch = _at_hook(world, present)
-        found.append(Subject(HOOK, (catch,) if catch >= 0 else ()))
+        near_hook = catch if catch >= 0 else _at_hook(world, present)
+        if near_hook != NOBODY:
+            found.append(Subject(HOOK, (near_hook,)))
     away = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
     lead = present.members[0] if present and present.kind in (HUNT, PAIR, FISH) else NOBODY
     if lead != NOBODY:
@@ -208,29 +229,37 @@ def _subjects(world: World, present: Subject | None, now: float) -> list[Subject
     found += [Subject(HUNT, (int(i), int(minds.target[i]))) for i in hunters]
     courting = fishes.alive & (away < COURT_CM) & minds.male
     courting &= (minds.courtship > APPROACHING) & (minds.partner >= 0)
+    courting &= fishes.length > SMALL_CM
     apart = fishes.position - fishes.position[minds.partner]
     courting &= np.linalg.norm(apart, axis=1) < APART_CM
     stage = minds.courtship.astype(int)
     if lead != NOBODY and stage[lead] >= CIRCLING:
-        stage[lead] = len(COURTSHIP)
-    males = sorted(np.flatnonzero(courting), key=lambda i: (-stage[i], away[i] / fishes.length[i]))
+        stage[lead] = TO_ITS_END
+    shown = stage * fishes.length / np.maximum(away, NEAREST_CM)
+    males = sorted(np.flatnonzero(courting), key=lambda i: -shown[i])
     found += [Subject(PAIR, (int(i), int(minds.partner[i]))) for i in males]
     living = fishes.alive & minds.schools
     if not living.any():
         living = fishes.alive
-    counts = np.bincount(fishes.species[living])
-    if not len(counts):
+    if not living.any():
         return found
-    shoal = Subject(SHOAL, (int(counts.argmax()), int(counts.max())))
-    few = counts.max() < FEW
+    sizes = np.bincount(fishes.species[living], weights=np.minimum(fishes.length[living], LARGE_CM))
+    species = int(sizes.argmax())
+    count = int(np.count_nonzero(fishes.species[living] == species))
+    shoal, few = Subject(SHOAL, (species, count)), count < FEW
     sight = world.scenario.water.visibility_cm
     large = fishes.alive & (away < (sight if few else min(sight, FISH_CM)))
     large &= fishes.length > (0.0 if few else LARGE_CM)
-    large[large] = [_open(world, int(fish)) for fish in np.flatnonzero(large)]
+    clear = np.zeros(len(large), bool)
+    for fish in np.flatnonzero(large):
+        clear[fish] = _open(world, int(fish), 0.5 if fish == lead else 1.0)
+    if not few:
+        large &= clear
     if not large.any() or (not few and now % (SHOAL_S + FISH_S) < SHOAL_S):
         return [*found, shoal]
     who = np.flatnonzero(large)
-    return [*found, Subject(FISH, (int(who[_shown(world, who, away[who], lead).argmax()]),))]
+    shown = _shown(world, who, away[who], lead) * np.where(clear[who], 1.0, HIDDEN)
+    return [*found, Subject(FISH, (int(who[shown.argmax()]),))]
 
 
 def _shown(world: World, who: Ints, away: Array, lead: int) -> Array:
@@ -242,20 +271,22 @@ def _shown(world: World, who: Ints, away: Array, lead: int) -> Array:
     speed = np.linalg.norm(fishes.velocity[who], axis=1)
     size = size / (1.0 + (speed / np.minimum(FASTEST * length, AHEAD_CM_S)) ** 2)
     gaze = (places - boat.position) @ hull_axes(*boat.angles)[0]
-    return size * (BEHIND + gaze / np.maximum(away, 1.0)) * np.where(who == lead, 1.0 / FAITH, 1.0)
+    return (
+        size**2 * (BEHIND + gaze / np.maximum(away, 1.0)) * np.where(who == lead, 1.0 / FAITH, 1.0)
+    )
 
 
-def _open(world: World, fish: int) -> bool:
-    """True if a fish swims clear of stone and ground."""
+def _open(world: World, fish: int, share: float) -> bool:
+    """True if a fish swims clear of stone and ground, by a `share` of HIDES_CM."""
     sea, place = world.state.sea, vector(world.state.fishes.position[fish])
     over = place[2] - height_at(sea.floor, sea.half_width, place[0], place[1])
-    return bool(min(over, clearance(sea.pillars, sea.rocks, place)) > HIDES_CM)
+    return bool(min(over, clearance(sea.pillars, sea.rocks, place)) > share * HIDES_CM)
 
 
 def _at_hook(world: World, present: Subject | None) -> int:
-    """The largest fish near the hook, the present one preferred; or NOBODY."""
+    """The largest fish near the hook, the present one preferred; or NOBODY if all are small."""
     fishes, size = world.state.fishes, world.state.fishes.length.copy()
-    size[~fishes.alive] = 0.0
+    size[~fishes.alive | (size < SMALL_CM)] = 0.0
     size[np.linalg.norm(fishes.position - world.state.sea.hook, axis=1) > BAIT_CM] = 0.0
     if present and present.kind == HOOK and present.members:
         size[present.members[0]] /= FAITH
@@ -265,8 +296,6 @@ def _at_hook(world: World, present: Subject | None) -> int:
 def _aim(world: World, subject: Subject) -> tuple[Array, Array]:
     """The place of a subject with the distance to look from (4,), cm, and its velocity (3,)."""
     fishes = world.state.fishes
-    if subject.kind == HOOK and not subject.members:
-        return np.array([*world.state.sea.hook, HOOK_CM]), np.zeros(3)
     if subject.kind == SHOAL:
         shoal = fishes.species == subject.members[0]
         living = shoal & fishes.alive
@@ -284,9 +313,10 @@ def _aim(world: World, subject: Subject) -> tuple[Array, Array]:
     both = float(fishes.length[members[0]])
     if len(members) > 1:
         both += share * float(fishes.length[members[1]])
-    far = PORTRAIT * both + share * float(np.linalg.norm(reach))
+    side = SIDE_ON * math.sqrt(both * float(fishes.girth[members, 0].max()))
+    far = max(PORTRAIT * both, side + WINDOW_AHEAD_CM) + share * float(np.linalg.norm(reach))
     middle, velocity = places[0] + share * reach, going[0] + 0.5 * share * (going[-1] - going[0])
-    far = max(far, PACE_S * float(np.linalg.norm(velocity)))
+    far = max(far, min(PACE_S * float(np.linalg.norm(velocity)), SMALLEST * far))
     return np.array([*middle, _within(far, NEAREST_CM, FARTHEST_CM)]), velocity
 
 
@@ -312,7 +342,8 @@ def _gathered(world: World, shoal: Ints) -> tuple[Array, Array]:
         middle = there[near].mean(axis=0)
     wide = 2.0 * float(np.quantile(np.linalg.norm(there[near] - middle, axis=1), MOST))
     length = float(fishes.length[shoal[near]].max())
-    distance = _within(FILLED * (wide + length), SHOAL_CM, max(FAR * sight, SHOAL_CM))
+    most = max(min(FAR * sight, SPECKS * length), SHOAL_CM)
+    distance = _within(FILLED * (wide + length), SHOAL_CM, most)
     going = _moved(world, shoal[near]).mean(axis=0)
     lead = LEAD * distance * going / max(float(np.linalg.norm(going)), LEAD_CM_S)
     ahead = (middle - eye) / max(float(np.linalg.norm(middle - eye)), 1e-6)

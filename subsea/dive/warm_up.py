@@ -22,6 +22,7 @@ from subsea.base.source_stamp import source_stamp
 from subsea.base.system import cores
 from subsea.behavior import grazing
 from subsea.behavior.table import BEHAVIORS
+from subsea.dive.camera_way import hidden
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
 from subsea.habitat.odour import carry_odours, make_odour, release_catches
@@ -111,6 +112,7 @@ def _motion() -> None:
     step.move_fishes(world, everyone, CLOCK)
     step.steer(world, world.state.submarine, NEUTRAL)
     keep_clear(np.zeros(3), np.zeros(3), world.state.sea)  # as a tour does
+    hidden(world, (0.0, 0.0, -50.0), (1.0, 0.0, -50.0), 0.0)
     step.stay_in_free_water(world, everyone, world.state.fishes.velocity.copy())
 
 

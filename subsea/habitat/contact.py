@@ -11,7 +11,14 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
+from subsea.geometry.solids import (
+    far_from_rock,
+    from_pillar,
+    from_rock,
+    height_at,
+    ray_meets_pillar,
+    ray_meets_rock,
+)
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.habitat.formations import NEAR_CM, blocks_near, drawn_distance, outward
 from subsea.kernels import kernel
@@ -38,6 +45,17 @@ def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
     for k in range(len(places)):
         far[k] = clearance(pillars, rocks, vector(places[k]))
     return far
+
+
+@kernel
+def stands_between(pillars: Array, rocks: Array, a: Vector, b: Vector, margin: float) -> bool:
+    """True if a solid, enlarged by `margin` cm, lies between a and b and does not contain b."""
+    met = False
+    for k in range(len(pillars)):
+        met = met or 0.0 < ray_meets_pillar(pillars[k], margin, b, a) <= 1.0
+    for k in range(len(rocks)):
+        met = met or 0.0 < ray_meets_rock(rocks[k], margin, b, a) <= 1.0
+    return met
 
 
 @kernel

@@ -238,7 +238,7 @@ def _driven(speed: float, thrust: float, linear: float, quadratic: float, dt: fl
 
 
 GAZE = 2.5  # 1/s: it turns like a head, critically damped ...
-TURN_RAD_S = math.radians(15.0)  # ... and no faster than is pleasant to watch
+TURN_RAD_S = math.radians(22.0)  # ... and no faster than is pleasant to watch
 
 
 class Rail(NamedTuple):

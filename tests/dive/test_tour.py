@@ -10,6 +10,8 @@ from subsea.dive.pilot import Pilot
 from subsea.dive.start import start_world
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import (
+    BAIT_CM,
+    DWELL_S,
     FISH,
     FISH_S,
     FOLLOWS,
@@ -85,10 +87,13 @@ def hunt(world, hunter, prey):
     minds.kind[hunter], minds.intention[hunter], minds.target[hunter] = PREDATOR, EAT, prey
 
 
-def hook(world, place, state, catch=NOBODY):
+def hook(world, place, state, catch=NOBODY, near=5):
+    """Put the hook at a place, and its catch or a fish that is `near`."""
     sea = world.state.sea
     world.state.sea = sea._replace(hook=np.array(place))
     world.state.sea.catch[:] = state, catch
+    fish = near if catch == NOBODY else catch
+    world.state.fishes.position[fish] = world.state.fishes.previous_position[fish] = place
 
 
 def ask(world, tour, seconds=0.0):
@@ -111,7 +116,7 @@ def test_a_hook_comes_before_a_hunt_before_a_pair_before_the_shoal(world):
         lambda: hook(world, (50.0, 0.0, -200.0), HANGING),
     ):
         happens()
-        ask(world, tour)
+        ask(world, tour, DWELL_S)
         seen.append(tour.subject.kind)
     assert seen == [SHOAL, PAIR, HUNT, HOOK]
     hook(world, (0.0, 0.0, 10.0), HOOKED, 4)  # not interesting in the air
@@ -122,6 +127,29 @@ def test_a_hook_comes_before_a_hunt_before_a_pair_before_the_shoal(world):
     assert tour.subject == Subject(HUNT, (2, 3))  # it may only be interrupted
     ask(world, tour, KEEP_S / 2 + 0.1)
     assert tour.subject == Subject(PAIR, (0, 1))
+
+
+def test_a_new_subject_is_kept_for_a_while(world):
+    tour = Tour()
+    pair(world, 0, 1, LOOPING)
+    ask(world, tour)
+    hunt(world, 2, 3)
+    ask(world, tour, 0.5 * DWELL_S)
+    assert tour.subject == Subject(PAIR, (0, 1))
+    ask(world, tour, DWELL_S)
+    assert tour.subject == Subject(HUNT, (2, 3))
+
+
+def test_a_hook_that_no_fish_is_near_is_not_looked_at(world):
+    tour = Tour()
+    place = world.state.submarine.position + (900.0, 0.0, 0.0)
+    hook(world, place, HANGING)
+    world.state.fishes.position[5, 1] += 0.9 * BAIT_CM
+    ask(world, tour)
+    assert tour.subject == Subject(HOOK, (5,))
+    world.state.fishes.position[5, 1] += 0.2 * BAIT_CM
+    ask(world, tour)
+    assert tour.subject.kind == SHOAL
 
 
 def test_the_autopilot_follows_the_most_advanced_pair_to_its_end(world):
@@ -195,8 +223,7 @@ def test_the_autopilot_turns_and_moves_no_faster_than_a_tour(world, bearing):
     boat, tour = world.state.submarine, Tour()
     boat.angles[:] = 0.0
     way = np.array([math.cos(bearing), math.sin(bearing), 0.9])
-    hook(world, boat.position + 300.0 * way, HANGING)
-    world.state.sea.hook[2] = -60.0
+    hook(world, (*(boat.position + 300.0 * way)[:2], -60.0), HANGING)
     log = sail(world, tour, 22.0)
     assert 0.05 < np.abs(log[:, 6:]).max() <= TURN_RAD_S
     assert np.linalg.norm(log[:, 3:6], axis=1).max() <= AHEAD_CM_S + 1e-6
@@ -211,13 +238,13 @@ def test_it_swims_along_at_the_side_of_a_fish(world, heading):
     fishes.alive[:] = False
     fishes.alive[1], fishes.length[1] = True, 80.0
     ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
-    fishes.position[1] = (0.0, 0.0, -250.0) - 400.0 * ahead
-    boat.position[:] = -200.0 * ahead + (0.0, 0.0, -250.0)
+    fishes.position[1] = (0.0, 0.0, -180.0) - 400.0 * ahead
+    boat.position[:] = -200.0 * ahead + (0.0, 0.0, -180.0)
     fishes.orientation[1] = math.cos(heading / 2.0), 0.0, 0.0, math.sin(heading / 2.0)
     seen = []
     for k in range(round(16.0 / TICK_S)):
         fishes.previous_position[1] = fishes.position[1]
-        fishes.position[1] = (0.0, 0.0, -250.0) + (50.0 * k * TICK_S - 400.0) * ahead
+        fishes.position[1] = (0.0, 0.0, -180.0) + (50.0 * k * TICK_S - 400.0) * ahead
         sail(world, tour, TICK_S)
         way = fishes.position[1] - boat.position
         gaze = hull_axes(*boat.angles)[0]
