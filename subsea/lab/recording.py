@@ -18,6 +18,7 @@ from subsea.base.source_stamp import source_stamp
 from subsea.behavior.table import OURS
 from subsea.behavior.teleop import TeleopCommands
 from subsea.fish.species import repertoire_file, species_file
+from subsea.lab.functions import described
 from subsea.media import record
 from subsea.motor.pose import centres_world, ends_world
 from subsea.repertoire import SEGMENTS
@@ -228,12 +229,6 @@ def rules_of(world: World) -> list[str]:
         ),
         *(f"sense: {described(one)}" for one in world.senses),
     ]
-
-
-def described(function: Any) -> str:
-    """Describe a function by what it says of itself, or by its place in the code."""
-    place = f"{getattr(function, '__module__', '?')}.{getattr(function, '__qualname__', '?')}"
-    return getattr(function, "description", None) or place
 
 
 def extent(ticks: int, fishes: int) -> str:

@@ -18,6 +18,7 @@ from subsea.base.progress import count_noun, print_line
 from subsea.base.report_files import check_plots
 from subsea.lab import measures
 from subsea.lab.leadership import Leadership, leadership
+from subsea.lab.own_measures import OwnMeasure
 from subsea.lab.plots import RECORD_PLOTS, plot
 from subsea.lab.schooling import School, schools, splits, states
 from subsea.media.record import Record, read_record
@@ -65,10 +66,12 @@ def refuse_clashes(records: Sequence[Path], results: list[Path]) -> None:
         taken[place] = "another result"
 
 
-def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
+def measure(
+    record: Record, check: Callable[[], None] = lambda: None, own: Sequence[OwnMeasure] = ()
+) -> Measured:
     """Compute all measures of docs/reference/records.md; None where there is nothing to measure.
 
-    `check`, which may raise, is called between two of them.
+    `check`, which may raise, is called between two of them. `own` are more, by their names.
     """
     ticks, n = record.alive.shape
     found: Measured = {
@@ -83,6 +86,8 @@ def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measure
     for name, part in parts.items():
         check()
         found[name] = part(record)
+    if own:
+        found["own"] = {one.name: one.of(record) for one in own}
     check()
     return found
 

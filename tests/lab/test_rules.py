@@ -10,7 +10,8 @@ import pytest
 
 import subsea
 from subsea.behavior.intention import APPETITE, EASE
-from subsea.lab.rules import PARTS, SENSED, Rules, digest_of
+from subsea.lab.functions import digest_of
+from subsea.lab.rules import PARTS, SENSED, Rules
 from subsea.media.record import read_origin
 from subsea.state import SCHOOL
 from tests.support.scenes import BARE
