@@ -82,12 +82,18 @@ def provenance_of(
 
     `module` is the file of the code that makes the result. A missing file is a UserError.
     """
+    found = inputs_of(scenario, source, changes, module)
+    return found._replace(scenario=scenario_text(scenario, source))
+
+
+def inputs_of(scenario: Scenario, source: Path, changes: Sequence[str], module: str) -> Provenance:
+    """Collect the same without the text of the scenario, which its file and changes determine."""
     names = tuple(scenario.species)
     return Provenance(
         program=f"subsea {__version__}",
         packages=f"numpy {np.__version__}, numba {numba.__version__}",
         code_sha256=source_stamp(Path(module).resolve()),
-        scenario=scenario_text(scenario, source),
+        scenario="",
         scenario_sha256=file_hash(source),
         changes=tuple(changes),
         species_keys=names,

@@ -25,7 +25,7 @@ PIECE = 4096  # compressed bytes before a fault that may be lost with it
 CHECK = 9  # characters of a CRC-32 and a blank
 
 
-class Result(msgspec.Struct):
+class RunResult(msgspec.Struct):
     """The result of a run."""
 
     run: str
@@ -102,7 +102,7 @@ class RunStore:
 
     def add(self, name: str, inputs: str, row: Row) -> None:
         """Append the result of a run; on a full disk a UserError, and all others stay."""
-        line = _line(Result(name, inputs, row))
+        line = _line(RunResult(name, inputs, row))
         left = memoryview(line)
         try:
             while left:
@@ -136,7 +136,7 @@ class RunStore:
             except OSError:  # a file system without locks
                 pass
 
-    def _pack(self, results: Sequence[Result]) -> None:
+    def _pack(self, results: Sequence[RunResult]) -> None:
         """Make a shard of the results in the journal, and empty that."""
         if results:
             last = [_number_of(path) for path in self._files() if path != self._journal]
@@ -149,15 +149,15 @@ def _number_of(shard: Path) -> int:
     return int(shard.name.partition(".")[0])
 
 
-def _line(result: Result) -> bytes:
+def _line(result: RunResult) -> bytes:
     text = msgspec.json.encode(result)
     return b"%08x %s\n" % (zlib.crc32(text), text)
 
 
-_DECODER = msgspec.json.Decoder(Result)
+_DECODER = msgspec.json.Decoder(RunResult)
 
 
-def _results(path: Path) -> tuple[list[Result], bool]:
+def _results(path: Path) -> tuple[list[RunResult], bool]:
     """Read the results in a file; False if some of it is damaged or missing."""
     content, whole = _content(path)
     results = []
@@ -185,7 +185,7 @@ def _content(path: Path) -> tuple[bytes, bool]:
         return b"".join(parts), unpacker.eof and not unpacker.unused_data
 
 
-def _write_shard(path: Path, results: Sequence[Result]) -> None:
+def _write_shard(path: Path, results: Sequence[RunResult]) -> None:
     content = gzip.compress(b"".join(map(_line, results)), 6, mtime=0)
     with replacing(path) as temporary:
         temporary.write_bytes(content)

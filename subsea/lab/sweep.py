@@ -26,7 +26,7 @@ from subsea.base.toml_edit import toml_value
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, serial
 from subsea.lab.comparison import Row, flat_measures
 from subsea.lab.own_measures import OwnMeasure
-from subsea.lab.recording import Provenance, provenance_of
+from subsea.lab.recording import Provenance, inputs_of
 from subsea.lab.report import measure
 from subsea.lab.run_store import RunStore
 from subsea.lab.simulate import Run, record_run
@@ -318,7 +318,7 @@ def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]
         chosen, source, _ = load_scenario(options.scenario, changes)
         if not any(shoal.number for shoal in chosen.fish):
             raise UserError("has no fishes, nothing to record", file=source)
-        origin = provenance_of(chosen, source, changes, __file__)
+        origin = inputs_of(chosen, source, changes, __file__)
         content = read_input(source)
         for seed in options.seeds:
             one = replace(run, seed=seed)
@@ -344,7 +344,7 @@ def make_run(job: _Job) -> tuple[Row, bytes | None]:
         scenario.write_bytes(job.content)
         run = replace(job.run, scenario=str(scenario))
         loaded = load_scenario(run.scenario, run.changes)
-        if _digest(run, provenance_of(*loaded, __file__), job.measures) != job.inputs:
+        if _digest(run, inputs_of(*loaded, __file__), job.measures) != job.inputs:
             raise UserError(
                 "a worker has another version of subsea, numpy, numba or the species; install the "
                 "same"

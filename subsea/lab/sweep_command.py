@@ -45,7 +45,7 @@ def add(commands: Any) -> None:
             "subsea sweep schooling --seeds 1:64 --seconds 60 --out schools",
             "subsea sweep schooling --seeds 1:8 --seconds 60 --set nature.timidity=1,2 --out shy",
             "subsea sweep peaceful --seeds 1,5 --seconds 10 --csv --out few",
-            "subsea sweep peaceful --seeds 1 --seconds 10 --draw nature.keen=0:1 --points 64 "
+            "subsea sweep peaceful --seeds 1 --seconds 10 --draw nature.keen=0:1 --points 4 "
             "--design sobol --out drawn",
         ],
     )

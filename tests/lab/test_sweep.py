@@ -8,16 +8,19 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import pyarrow
 import pytest
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 from pyarrow import parquet
 
+import subsea
 from subsea.base.errors import UserError
 from subsea.cli.main import main
+from subsea.jobs import dask_cluster
 from subsea.jobs.dask_cluster import dask_pool
 from subsea.jobs.workers import serial
 from subsea.lab import sweep as module
@@ -189,17 +192,50 @@ def test_the_number_of_processes_changes_no_byte(whole, tmp_path, capsys):
     assert not (out / "records").exists()
 
 
-def test_a_cluster_changes_no_byte(whole, tmp_path):
+@contextmanager
+def local_cluster():
+    """A Dask cluster of one thread of this process."""
     with LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
         host="127.0.0.1", dashboard_address="127.0.0.1:0",
     ) as cluster:  # fmt: skip
+        yield cluster
+
+
+def test_a_cluster_changes_no_byte(whole, tmp_path, monkeypatch):
+    monkeypatch.setattr(dask_cluster, "AHEAD", 3)
+    with local_cluster() as cluster:
         pool = dask_pool(cluster.scheduler_address)
         sweep(OPTIONS, tmp_path / "out", pool=pool, records=True)
     for place in ("sweep.parquet", "records", "runs/journal.jsonl"):
         ours, theirs = whole / place, tmp_path / "out" / place
         for path in ours.iterdir() if ours.is_dir() else [ours]:
             assert (theirs / path.relative_to(ours)).read_bytes() == path.read_bytes()
+
+
+def test_a_program_gives_a_cluster_or_a_client(whole, tmp_path):
+    given = {"seeds": (1, 2), "seconds": 0.066, "values": {"fish.1.number": (1, "2")}}
+    with local_cluster() as cluster:
+        subsea.sweep(str(BARE), tmp_path / "a", cluster=cluster, **given)
+        with Client(cluster, set_as_default=False) as client:
+            subsea.sweep(str(BARE), tmp_path / "b", cluster=client, **given)
+            assert client.status == "running"  # it stays open
+    for name in "ab":
+        assert (tmp_path / name / "sweep.parquet").read_bytes() == (
+            whole / "sweep.parquet"
+        ).read_bytes()
+
+
+def test_what_a_sweep_of_a_program_cannot_be_is_named(tmp_path):
+    given = {"seeds": (1,), "seconds": 0.1}
+    with pytest.raises(TypeError, match="expected an address, a Dask cluster or client, got 3"):
+        subsea.sweep(str(BARE), tmp_path / "a", cluster=3, **given)
+    with pytest.raises(ValueError, match="jobs and cluster: give one of the two"):
+        subsea.sweep(str(BARE), tmp_path / "a", cluster="tcp://127.0.0.1:9", jobs=2, **given)
+    with pytest.raises(UserError, match="cannot import these rules or measures"):
+        subsea.sweep(str(BARE), tmp_path / "a", jobs=2, measures=[lambda tick_s: 1.0], **given)
+    with pytest.raises(TypeError, match="unexpected keyword 'measure'"):
+        subsea.sweep(str(BARE), tmp_path / "a", measure=[farthest_cm], **given)
 
 
 def test_a_worker_with_other_code_refuses(whole):
@@ -233,9 +269,9 @@ def test_only_what_is_missing_or_differs_is_made_again(copy, monkeypatch, capsys
           pool=counting(made))  # fmt: skip
     assert made == [3, 1]
     sweep(replace(OPTIONS, seeds=(1,), values={}, ticks=1), copy, pool=counting(made))
-    origin = module.provenance_of
+    origin = module.inputs_of
     monkeypatch.setattr(
-        module, "provenance_of", lambda *given: origin(*given)._replace(code_sha256="other")
+        module, "inputs_of", lambda *given: origin(*given)._replace(code_sha256="other")
     )
     sweep(OPTIONS, copy, pool=counting(made))
     assert made == [3, 1, 1, 4]
