@@ -159,8 +159,9 @@ def sweep(
         out: A folder for the results. Runs that it has already are not made again.
         seeds: The seeds.
         seconds: Length of each run, rounded to ticks of 0.033 s.
-        values: The values of each key: `{"nature.timidity": [1.0, 2.0]}`. All combinations run. Or a list of points, each with a value of each key,
-            as of `subsea.latin_hypercube` and `subsea.sobol`.
+        values: The values of each key: `{"nature.timidity": [1.0, 2.0]}`. All combinations run.
+            Or a list of points, each with a value of each key, as of `subsea.latin_hypercube` and
+            `subsea.sobol`.
         fish: The number of fishes to which shoals are scaled; None: the scenario's.
         jobs: Parallel processes; None: one for each core; 1: none but this one. A script that uses
             several must call this below ``if __name__ == "__main__":``, as Python asks.
