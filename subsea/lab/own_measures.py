@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from subsea.base.errors import UserError, nearest
+from subsea.base.registry import MEASURES, load_named
 from subsea.lab.functions import identified, name_of, parameters_of, raised, short
 from subsea.media.record import Record
 
@@ -86,3 +87,8 @@ def own_measures(functions: Iterable[Callable[..., Any]]) -> tuple[OwnMeasure, .
         if names.count(name) > 1:
             raise UserError(f"measures: two functions are named {name}; rename one")
     return found
+
+
+def named_measures(names: Iterable[str]) -> tuple[OwnMeasure, ...]:
+    """Load measures of other packages by the names of their entry points; a UserError if none."""
+    return own_measures(load_named(MEASURES, name, "measure") for name in names)

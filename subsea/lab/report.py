@@ -28,7 +28,10 @@ Measured = dict[str, Any]  # by name, for JSON
 MEASURES = json_file("a report of `subsea study`", "minds", "groups")
 
 
-def study(record: Path, out: Path | None, report: Path | None, force: bool = False) -> int:
+def study(
+    record: Path, out: Path | None, report: Path | None, force: bool = False,
+    own: Sequence[OwnMeasure] = (),
+) -> int:  # fmt: skip
     """Measure the record in a file and print a table; returns the exit code.
 
     `out` is a folder for plots, `report` gets the measures as JSON. Raises a UserError before any
@@ -44,7 +47,7 @@ def study(record: Path, out: Path | None, report: Path | None, force: bool = Fal
     # In compiled code Ctrl-C would surface as another error.
     with interrupts.deferred_interrupts() as check:
         read = read_record(record)
-        found = measure(read, check)
+        found = measure(read, check, own)
         print("\n".join(table(found)))
         with ExitStack() as whole:
             if report:
@@ -260,7 +263,17 @@ def table(found: Measured) -> list[str]:
         "",
         *_budget(minds["time_budget"], food["meals_per_fish_minute"]),
     ]  # fmt: skip
-    return lines + _school_rows(found["schools"])
+    return lines + _school_rows(found["schools"]) + _own_rows(found.get("own", {}))
+
+
+def _own_rows(own: Measured) -> list[str]:
+    """Format measures of a program or of another package."""
+    rows: Measured = {}
+    for name, value in own.items():
+        parts = value if isinstance(value, dict) else {"": value}
+        rows |= {f"{name} {part}".rstrip(): number for part, number in parts.items()}
+    lines = [_line(name, "–" if value is None else f"{value:g}") for name, value in rows.items()]
+    return ["", *lines] if lines else []
 
 
 def _line(name: str, value: str) -> str:

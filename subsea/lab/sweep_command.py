@@ -33,6 +33,7 @@ def add_jobs(parser: Any) -> None:
 def add(commands: Any) -> None:
     """Add the command."""
     from subsea.jobs.dask_cluster import add_cluster
+    from subsea.lab.measure_option import add_measures
 
     parser = add_command(
         commands,
@@ -87,6 +88,7 @@ def add(commands: Any) -> None:
     )
     add_length(parser)
     shared.add(parser, "fish")
+    add_measures(parser)
     add_jobs(parser)
     add_cluster(parser)
     parser.add_argument(
@@ -108,6 +110,7 @@ def run(options: Namespace) -> int:
     from subsea.dive.warm_up import warm_up
     from subsea.jobs.dask_cluster import dask_pool
     from subsea.jobs.workers import process_pool
+    from subsea.lab.own_measures import named_measures
     from subsea.lab.sweep import Sweep, read_values, sweep
 
     if options.cluster is not None and options.jobs is not None:
@@ -116,8 +119,9 @@ def run(options: Namespace) -> int:
         raise UserError("--cluster-tls needs --cluster")
     values = read_values(options.settings)
     chosen = Sweep(
-        options.scenario, options.seeds, ticks_of(options), options.fish, values, _points(options)
-    )
+        options.scenario, options.seeds, ticks_of(options), options.fish, values, _points(options),
+        named_measures(options.measures),
+    )  # fmt: skip
     if options.cluster is not None:
         pool = dask_pool(options.cluster, options.cluster_tls)
     else:
