@@ -20,6 +20,7 @@ from subsea.base.file_kinds import check_result, csv_file, signed
 from subsea.base.files import check_folder, replacing
 from subsea.base.hdf5 import writing
 from subsea.base.system import require
+from subsea.geometry.walls import tank_of
 from subsea.media.record import STATIONS, Record
 
 SCORER = "subsea"
@@ -180,8 +181,6 @@ def tracker_table(record: Record, view: FlatView, title: str) -> dict[str, Any]:
     outline = record.half_width if view.name == "top" else record.half_height
     share = 2.0 * np.asarray(np.trapezoid(outline, dx=1.0 / (STATIONS - 1), axis=1))
     areas = share[record.species] * (record.length * view.px_per_cm) ** 2
-    angle = np.linspace(0.0, 2.0 * np.pi, CIRCLE, endpoint=False)
-    border = 0.5 * width * (1.0 + np.stack([np.cos(angle), np.sin(angle)], axis=1))
     return {
         "trajectories": places,
         "id_probabilities": alive[..., None].astype(np.float64),
@@ -194,7 +193,7 @@ def tracker_table(record: Record, view: FlatView, title: str) -> dict[str, Any]:
         "body_length": float(np.median(record.length) * view.px_per_cm),
         "estimated_accuracy": 1.0,
         "areas": {"mean": areas, "median": areas, "std": np.zeros_like(areas)},
-        "setup_points": {"border": border} if view.name == "top" else {},
+        "setup_points": {"border": _border(record, view)} if view.name == "top" else {},
         "identities_labels": record.individuals,
         "identities_groups": {
             key: [int(i) + 1 for i in np.flatnonzero(record.species == k)]
@@ -203,6 +202,16 @@ def tracker_table(record: Record, view: FlatView, title: str) -> dict[str, Any]:
         "length_unit": float(view.px_per_cm),
         "fraction_identified": float(alive.mean()),
     }
+
+
+def _border(record: Record, view: FlatView) -> Array:
+    """List the points (k, 2) around the tank, or around the sea, seen from the top, px."""
+    if tank := tank_of(record.pillars):
+        corners = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]) * tank / 2
+    else:
+        angle = np.linspace(0.0, 2.0 * np.pi, CIRCLE, endpoint=False)
+        corners = record.radius_cm * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return view.pixels(corners, record)
 
 
 @contextmanager
