@@ -157,6 +157,10 @@ def _school(school: School, leads: Leadership, end: float) -> Measured:
         "splits": len(parts),
         "longest_split_s": _rounded(max((s.duration for s in parts), default=0.0)),
         "not_rejoined": sum(not s.rejoined for s in parts),
+        "each_fish": [
+            {"fish": int(fish), "delay_s": _known(delay), "front_bl": _rounded(front)}
+            for fish, delay, front in zip(leads.fish, leads.delay_s, leads.front_bl, strict=True)
+        ],
         "each_split": [
             {"start_s": _rounded(s.start), "lasted_s": _rounded(s.duration),
              "apart_share": _rounded(s.apart), "rejoined": s.rejoined}
@@ -223,6 +227,10 @@ def _food(record: Record) -> Measured:
             for name, those in zip(record.keys, of, strict=True)
         },
     }
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else _rounded(value)
 
 
 def _rounded(value: Any) -> float:
