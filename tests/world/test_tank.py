@@ -11,6 +11,8 @@ from subsea.habitat.formations import first_of_formation, formations, numbered_f
 from subsea.lab.measures import BARRIERS, clearances
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import scenario_text
+from subsea.world.migrate import migrate
+from subsea.world.to_scenario import to_scenario
 from tests.support.scenes import BARE
 
 TANK = [
@@ -113,3 +115,15 @@ def test_a_snapshot_of_a_tank_is_restored():
     world.restore(before)
     world.step(5)
     assert world.checksum() == end
+
+
+def test_fishes_of_a_dive_that_gets_a_tank_are_moved_into_it():
+    usual = ["rock=[]", "fish.0.spread_cm=600", "submarine.position_cm=[-150, -60, -250]",
+             "fish.1.position_cm=[-150, 100, -250]", "fish.0.position_cm=[-150, 0, -250]"]  # fmt: skip
+    before = subsea.load(str(BARE), seed=3, fish=30, changes=usual)
+    before.step(10)
+    after = subsea.load(str(BARE), seed=3, fish=30, changes=[*usual, "bounds.tank_cm=[500, 400]"])
+    assert np.abs(before.fishes.position[:, :2]).max() > 500.0
+    migrate(before.internal, after.internal)
+    assert (np.abs(after.fishes.position[:, :2]) < (250.0, 200.0)).all()
+    assert to_scenario(after.internal).bounds.tank_cm == (500.0, 400.0)
