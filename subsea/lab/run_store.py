@@ -67,7 +67,7 @@ class RunStore:
                     rows[name] = row
         self._damaged = []
         for path in self._files():
-            results, whole = _results(path)
+            results, whole = read_results(path)
             for one in results:
                 if wanted.get(one.run) == one.inputs:
                     rows[one.run] = one.measures
@@ -91,8 +91,8 @@ class RunStore:
             self._lock()
             for path in self._damaged:
                 if path != self._journal:
-                    _write_shard(path, _results(path)[0])
-            results, whole = _results(self._journal)
+                    _write_shard(path, read_results(path)[0])
+            results, whole = read_results(self._journal)
             self._lines, self._end = len(results), os.fstat(self._file).st_size
             if not whole or self._lines >= SHARD_RUNS:
                 self._pack(results)
@@ -102,7 +102,7 @@ class RunStore:
 
     def add(self, name: str, inputs: str, row: Row) -> None:
         """Append the result of a run; on a full disk a UserError, and all others stay."""
-        line = _line(RunResult(name, inputs, row))
+        line = result_line(RunResult(name, inputs, row))
         left = memoryview(line)
         try:
             while left:
@@ -113,7 +113,7 @@ class RunStore:
         self._end += len(line)
         self._lines += 1
         if self._lines >= SHARD_RUNS:
-            self._pack(_results(self._journal)[0])
+            self._pack(read_results(self._journal)[0])
 
     def _files(self) -> list[Path]:
         """List the shards in their order, then the journal."""
@@ -149,7 +149,8 @@ def _number_of(shard: Path) -> int:
     return int(shard.name.partition(".")[0])
 
 
-def _line(result: RunResult) -> bytes:
+def result_line(result: RunResult) -> bytes:
+    """Encode a result as a line of the journal."""
     text = msgspec.json.encode(result)
     return b"%08x %s\n" % (zlib.crc32(text), text)
 
@@ -157,7 +158,7 @@ def _line(result: RunResult) -> bytes:
 _DECODER = msgspec.json.Decoder(RunResult)
 
 
-def _results(path: Path) -> tuple[list[RunResult], bool]:
+def read_results(path: Path) -> tuple[list[RunResult], bool]:
     """Read the results in a file; False if some of it is damaged or missing."""
     content, whole = _content(path)
     results = []
@@ -175,7 +176,7 @@ def _results(path: Path) -> tuple[list[RunResult], bool]:
 def _content(path: Path) -> tuple[bytes, bool]:
     """Read a file, and unpack a shard up to its first fault; False if it has one."""
     with open_input(path) as file:
-        if not SHARD.fullmatch(path.name):
+        if path.suffix != ".gz":
             return file.read(), True
         unpacker = zlib.decompressobj(wbits=31)
         parts = []
@@ -186,7 +187,7 @@ def _content(path: Path) -> tuple[bytes, bool]:
 
 
 def _write_shard(path: Path, results: Sequence[RunResult]) -> None:
-    content = gzip.compress(b"".join(map(_line, results)), 6, mtime=0)
+    content = gzip.compress(b"".join(map(result_line, results)), 6, mtime=0)
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 

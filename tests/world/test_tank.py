@@ -118,8 +118,10 @@ def test_a_snapshot_of_a_tank_is_restored():
 
 
 def test_fishes_of_a_dive_that_gets_a_tank_are_moved_into_it():
-    usual = ["rock=[]", "fish.0.spread_cm=600", "submarine.position_cm=[-150, -60, -250]",
-             "fish.1.position_cm=[-150, 100, -250]", "fish.0.position_cm=[-150, 0, -250]"]  # fmt: skip
+    usual = [
+        "rock=[]", "fish.0.spread_cm=600", "submarine.position_cm=[-150, -60, -250]",
+        "fish.1.position_cm=[-150, 100, -250]", "fish.0.position_cm=[-150, 0, -250]",
+    ]  # fmt: skip
     before = subsea.load(str(BARE), seed=3, fish=30, changes=usual)
     before.step(10)
     after = subsea.load(str(BARE), seed=3, fish=30, changes=[*usual, "bounds.tank_cm=[500, 400]"])
