@@ -5,6 +5,9 @@ of one camera, in pixels. Here that is a camera without perspective, which sees 
 """
 
 import csv
+import errno
+import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -27,6 +30,7 @@ SCORER = "subsea"
 DIGITS = 3  # after the point, of coordinates in tables
 CIRCLE = 36  # points of the sea's border
 TRACKER_VERSION = "6.0.14"  # of idtracker.ai, whose tables these are
+FULL_BYTES = 2**20  # with less room, a library's failure is that of a full disk
 TRACK = ("x", "y", "z", "time")
 LIST, LISTED = "fishes.csv", ("file", "fish", "species", "length_cm", "male")
 HDF5 = signed("an HDF5 file", b"\x89HDF\r\n\x1a\n")
@@ -67,8 +71,13 @@ def write_movement(record: Record, out: Path, force: bool = False) -> None:
     """Write the dataset of `Record.to_movement` as netCDF."""
     check_result(out, HDF5, force)
     dataset = record.to_movement()
+    import xarray
+
     with _writing(out) as temporary:
         dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
+        with xarray.open_dataset(temporary, engine="netcdf4") as stored:
+            if not stored.load().identical(dataset):
+                raise OSError(errno.EIO, os.strerror(errno.EIO))
 
 
 def write_deeplabcut(record: Record, out: Path, view: FlatView, force: bool = False) -> None:
@@ -101,7 +110,12 @@ def write_deeplabcut(record: Record, out: Path, view: FlatView, force: bool = Fa
         values, columns=pandas.MultiIndex.from_tuples(columns, names=[*levels])
     )
     with _writing(out) as temporary:
-        frame.to_hdf(temporary, key="df_with_missing", mode="w")
+        # In memory, as PyTables says nothing of a disk that is full when it closes a file.
+        memory = {"driver": "H5FD_CORE", "driver_core_backing_store": 0}
+        with pandas.HDFStore("tracks", "w", **memory) as store:
+            store.put("df_with_missing", frame, track_times=False)
+            image = store._handle.get_file_image()
+        temporary.write_bytes(image)
 
 
 def _product(*levels: list[str]) -> Iterator[tuple[str, ...]]:
@@ -222,7 +236,9 @@ def _writing(out: Path) -> Iterator[Path]:
             yield temporary
         except (OSError, UserError):
             raise
-        except Exception as fault:  # PyTables and netCDF4 on a full disk
+        except Exception as fault:  # of PyTables and netCDF4, which tell no reason
+            if shutil.disk_usage(temporary.parent).free < FULL_BYTES:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)) from fault
             raise OSError(f"{type(fault).__name__}: {fault}") from fault
 
 

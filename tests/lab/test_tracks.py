@@ -1,6 +1,7 @@
 """Records as tracks of other programs: their layout, numbers and units; dead fishes; faults."""
 
 import csv
+import shutil
 
 import h5py
 import numpy as np
@@ -14,7 +15,7 @@ from subsea.base.errors import UserError
 from subsea.cli.main import main
 from subsea.lab.convert_command import TARGETS
 from subsea.lab.tracks import SUFFIXES, FlatView, write_deeplabcut
-from tests.support.commands import refusal
+from tests.support.commands import full_disk, refusal
 from tests.support.scenes import BARE
 
 
@@ -146,6 +147,19 @@ def test_bad_input_is_one_line(path, tmp_path, capsys, target, out, options, wor
     (tmp_path / "run.nc").write_bytes(path.read_bytes())
     words_ = ["convert", str(tmp_path / "run.nc"), "--to", target, "--out", str(tmp_path / out)]
     assert words in refusal(main, [*words_, *options], capsys)
+
+
+@pytest.mark.parametrize(("target", "out"), [("movement", "a.nc"), ("deeplabcut", "a.h5")])
+def test_a_full_disk_is_named_though_libraries_do_not(
+    path, tmp_path, capsys, target, out, monkeypatch
+):
+    full = shutil.disk_usage(tmp_path)._replace(free=100)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: full)
+    words = ["convert", str(path), "--to", target, "--out", str(tmp_path / out)]
+    with full_disk(2000):
+        said = refusal(main, words, capsys, code=75)
+    assert said == f"subsea: {tmp_path / out}: cannot write (No space left on device)\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_without_the_extra_the_remedy_is_named(record, tmp_path, monkeypatch):
