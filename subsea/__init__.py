@@ -25,6 +25,8 @@ _PLACES = {
     "Retina": "subsea.library",
     "simulate": "subsea.lab.records",
     "sweep": "subsea.lab.records",
+    "latin_hypercube": "subsea.lab.designs",
+    "sobol": "subsea.lab.designs",
     "open_record": "subsea.lab.records",
     "measure": "subsea.lab.records",
     "record": "subsea.lab.records",

@@ -1,6 +1,8 @@
 from subsea.base.errors import UserError as UserError
 from subsea.behavior.teleop import TeleopCommand as TeleopCommand
 from subsea.behavior.teleop import TeleopCommands as TeleopCommands
+from subsea.lab.designs import latin_hypercube as latin_hypercube
+from subsea.lab.designs import sobol as sobol
 from subsea.lab.environments import predator_prey as predator_prey
 from subsea.lab.environments import school as school
 from subsea.lab.records import measure as measure

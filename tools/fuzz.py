@@ -9,6 +9,7 @@ finding is saved in DIR (default fuzz-findings). Exit code 1 if there is any.
 
 import argparse
 import codecs
+import gzip
 import io
 import multiprocessing
 import os
@@ -41,8 +42,8 @@ from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
 from subsea.fish.species import Species, load_species
 from subsea.lab.benchmark_reports import read_reports
+from subsea.lab.run_store import RunResult, read_results, read_run_file, result_line
 from subsea.lab.simulate import simulate
-from subsea.lab.sweep import read_result
 from subsea.media.record import read_record
 from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
@@ -142,6 +143,11 @@ def runs(unused: Path) -> list[bytes]:
     return [
         msgspec.json.encode({"inputs": RUN, "measures": {"seconds": 1.5, "mating.share": None}})
     ]
+
+
+def journals(unused: Path) -> list[bytes]:
+    """Make the results of some runs of a sweep."""
+    return [b"".join(result_line(RunResult(f"run{k}", RUN, {"seconds": k})) for k in range(3))]
 
 
 def reports(unused: Path) -> list[bytes]:
@@ -291,7 +297,9 @@ KINDS = {
     "from-node": Kind(".bin", node_messages, lambda p: messages.from_node(p.read_bytes())),
     "from-master": Kind(".bin", master_messages, lambda p: messages.from_master(p.read_bytes())),
     "report": Kind(".json", reports, read_reports),
-    "run": Kind(".json", runs, lambda p: read_result(p, RUN)),
+    "run": Kind(".json", runs, lambda p: read_run_file(p, RUN)),
+    "journal": Kind(".jsonl", journals, read_results),
+    "shard": Kind(".gz", lambda unused: [gzip.compress(journals(unused)[0])], read_results),
     "photograph": Kind(".png", photographs, read_photograph),
     "sheet": Kind(".png", sheets, color_sheet.read),
     "meshes": Kind(".json", skin_meshes, read_skin_meshes),

@@ -33,6 +33,9 @@ THEATRE_FORMATS = "subsea.theatre_formats"
 BEHAVIORS = "subsea.behaviors"
 """Behaviors of fishes: see `subsea.behavior.table`."""
 
+MEASURES = "subsea.measures"
+"""Functions that measure a record: see `subsea.lab.own_measures`."""
+
 
 def registered(group: str) -> dict[str, EntryPoint]:
     """The entry points of a group by name, in the order of their names.

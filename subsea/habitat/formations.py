@@ -17,6 +17,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.geometry.noise import fractal, noise
 from subsea.geometry.solids import from_ellipsoid
 from subsea.geometry.vector import Vector, store, vector
+from subsea.geometry.walls import is_wall
 from subsea.kernels import kernel
 
 SHELL_CM, SHELL = 9.0, 0.13  # most room for growth, and as a share of a solid's least half axis
@@ -48,10 +49,11 @@ def formations(pillars: Array, rocks: Array) -> list[Array]:
 
 def numbered_formations(pillars: Array, rocks: Array) -> list[tuple[Array, Ints]]:
     """The blocks of each formation, and their solids: pillars before rocks."""
-    blocks = blocks_of(pillars, rocks)
+    stones = stone_numbers(pillars, rocks)
+    blocks = blocks_of(pillars, rocks)[stones]
     group = _groups(blocks, _even(48))
     found: list[tuple[Array, Ints]] = [
-        (blocks[group == k], np.flatnonzero(group == k)) for k in np.unique(group)
+        (blocks[group == k], stones[group == k]) for k in np.unique(group)
     ]
     for one, _ in found:
         one[:, 10] = one[:, 10].mean()  # equal, or it would jump between blocks
@@ -75,9 +77,15 @@ def stone_keys(pillars: Array, rocks: Array) -> Ints:
 
 def first_of_formation(pillars: Array, rocks: Array) -> Ints:
     """The first solid of the formation of each solid (k + m,), pillars before rocks."""
-    group = _groups(blocks_of(pillars, rocks), _even(48))
-    _, first, which = np.unique(group, return_index=True, return_inverse=True)
-    return np.asarray(first[which])
+    found = np.arange(len(pillars) + len(rocks))
+    for _, numbers in numbered_formations(pillars, rocks):
+        found[numbers] = numbers[0]
+    return found
+
+
+def stone_numbers(pillars: Array, rocks: Array) -> Ints:
+    """List the solids that are of stone, pillars before rocks: all but walls of glass."""
+    return np.flatnonzero(~np.append(is_wall(pillars), np.zeros(len(rocks), np.bool_)))
 
 
 @kernel

@@ -8,6 +8,7 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
 from subsea.geometry.solids import height_at
+from subsea.geometry.walls import is_wall, wall_rows
 from subsea.habitat import plankton
 from subsea.habitat.day import HOURS, daylight_at
 from subsea.habitat.rocks import rock_rows
@@ -20,7 +21,7 @@ OUT_CM = 60.0  # height above the surface at which the hook is out of sight
 
 
 def solids_on(scenario: Scenario, heights: Array, width: float) -> tuple[Array, Array, list[str]]:
-    """Put pillars (k, 4) and rocks (j, 7) on a seabed, as in `state.Sea`.
+    """Put pillars (k, 4) and rocks (j, 7) on a seabed, as in `state.Sea`; walls follow pillars.
 
     Also returns the scenario's table of each rock. `width` is half that of the seabed.
     """
@@ -32,6 +33,7 @@ def solids_on(scenario: Scenario, heights: Array, width: float) -> tuple[Array, 
     for k, pillar in enumerate(scenario.pillar):
         x, y = pillar.position_cm
         pillars[k] = x, y, pillar.radius_cm, floor(x, y) + pillar.height_cm
+    pillars = np.concatenate([pillars, wall_rows(scenario.bounds.tank_cm)])
     return pillars, *rock_rows(scenario, floor)
 
 
@@ -41,7 +43,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[st
     bounds, water = scenario.bounds, scenario.water
     pillars, rocks, owners = solids_on(scenario, heights, width)
     rocks = rocks[:MAX_SOLIDS]  # `world.checks` refuses more
-    heights = cached(drifted, heights, width, pillars, rocks, water.current_cm_s)
+    heights = cached(drifted, heights, width, pillars[~is_wall(pillars)], rocks, water.current_cm_s)
     lowered = any(direction.hook == "down" for direction in scenario.direction)
     specks = plankton.scatter(rng, water.plankton, bounds.radius_cm, heights, width, pillars, rocks)
     sea = empty(

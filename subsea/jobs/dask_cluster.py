@@ -9,7 +9,9 @@ import logging
 import struct
 import sys
 from argparse import ArgumentParser
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
@@ -25,7 +27,9 @@ if TYPE_CHECKING:
 CONNECT_S = 4.0
 FETCH_S = 5.0
 NO_WORKER_S = 15.0  # longest time without any worker
+QUEUE_S = 86_400.0  # the same for a cluster that a program started, whose queue may be long
 LOST = object()  # the result of a job that is repeated
+AHEAD = 1000  # jobs that a scheduler has at a time
 MOST_BYTES = 2**24  # of a message of an unknown scheduler
 
 
@@ -46,34 +50,60 @@ def add_cluster(parser: ArgumentParser) -> None:
     )
 
 
-def dask_pool(address: str, tls: Sequence[Path] | None = None) -> Pool[Any]:
-    """The workers of the Dask cluster with a scheduler at ``address``; lost jobs are repeated.
+def dask_pool(cluster: Any, tls: Sequence[Path] | None = None) -> Pool[Any]:
+    """The workers of a Dask cluster; jobs that are lost with a worker are repeated.
 
-    `tls` are files of authority, certificate and key. UserError without the package `distributed`,
-    without an answer or a worker, or for a worker that cannot do the work.
+    `cluster` is the address of a scheduler, a Dask cluster such as `LocalCluster` or `SLURMCluster`
+    of dask-jobqueue, or a Dask client, which stays open. `tls` are files of authority, certificate
+    and key for an address. UserError without the package `distributed`, without an answer or a
+    worker, or for a worker that cannot do the work.
     """
 
     def run(work: Work, jobs: Mapping[K, Any], check: Check) -> Results[K]:
         if not jobs:
             return
-        with _connect(address, tls) as client:
-            tasks = {
-                client.submit(work, argument, pure=False): job for job, argument in jobs.items()
-            }
+        with _client(cluster, tls) as client:
+            address = client.scheduler.address
+            waiting = deque(jobs)
+            tasks: dict[Any, K] = {}
             last_seen = monotonic()
-            while tasks:
+            while tasks or waiting:
                 check()
+                while waiting and len(tasks) < AHEAD:
+                    job = waiting.popleft()
+                    tasks[client.submit(work, jobs[job], pure=False)] = job
                 for task in [task for task in tasks if task.done()]:
                     result = _result(task, address)
                     if result is not LOST:
                         yield tasks.pop(task), result
                 if _has_workers(client, address):
                     last_seen = monotonic()
-                elif monotonic() - last_seen > NO_WORKER_S:
-                    raise UserError(f"{address}: no worker for {NO_WORKER_S:g} s; start some")
+                elif monotonic() - last_seen > no_worker_s:
+                    raise UserError(f"{address}: no worker for {no_worker_s:g} s; start some")
                 sleep(POLL_S)
 
+    # A queue of a cluster starts workers when it has room.
+    no_worker_s = NO_WORKER_S if isinstance(cluster, str) else QUEUE_S
     return run
+
+
+@contextmanager
+def _client(cluster: Any, tls: Sequence[Path] | None) -> Iterator[Any]:
+    """A client of the scheduler at an address, or of a cluster; a given client stays open."""
+    if isinstance(cluster, str):
+        with _connect(cluster, tls) as client:
+            yield client
+        return
+    require("cluster", "a cluster")
+    from distributed import Client
+
+    if isinstance(cluster, Client):
+        yield cluster
+    elif hasattr(cluster, "scheduler_address"):
+        with Client(cluster, set_as_default=False) as client:
+            yield client
+    else:
+        raise TypeError(f"cluster: expected an address, a Dask cluster or client, got {cluster!r}")
 
 
 def _connect(address: str, tls: Sequence[Path] | None = None) -> Any:

@@ -16,6 +16,7 @@ from subsea.base.file_kinds import check_result
 from subsea.base.files import replacing
 from subsea.base.progress import count_noun, print_line, progress
 from subsea.base.report_files import check_plots, write_plots
+from subsea.lab.own_measures import OwnMeasure
 from subsea.lab.plots import LINES
 from subsea.lab.report import MEASURES, Measured, measure, refuse_clashes
 from subsea.media.record import BY_MINDS, Origin, read_origin, read_record
@@ -157,8 +158,9 @@ class RecordGroup(NamedTuple):
 
 
 def compare(
-    records: Sequence[Path], out: Path | None, report: Path | None, force: bool = False
-) -> int:
+    records: Sequence[Path], out: Path | None, report: Path | None, force: bool = False,
+    own: Sequence[OwnMeasure] = (),
+) -> int:  # fmt: skip
     """Measure several records and print a table of their groups; returns the exit code.
 
     `out` is a folder for a plot, `report` gets all estimates as JSON. Raises a UserError before any
@@ -178,7 +180,7 @@ def compare(
         with progress(len(records), "record") as count:
             for path in records:
                 read = read_record(path)
-                rows.append((read.seed, flat_measures(measure(read, check))))
+                rows.append((read.seed, flat_measures(measure(read, check, own))))
                 count()
         groups = grouped(records, origins, rows)
         print("\n".join(comparison_table(groups)))

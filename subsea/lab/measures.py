@@ -12,6 +12,7 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.rotation import matrix, rotate
 from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
+from subsea.geometry.walls import WALL_CM
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.kernels import kernel
 from subsea.media.record import STATIONS, Record
@@ -109,7 +110,7 @@ def _lower(points: Array, alive: Bools, barriers: Barriers, least: Array, which:
             for k in range(len(barriers.pillars)):
                 gap = from_pillar(barriers.pillars[k], (x, y, z))[1]
                 if gap < best:
-                    best, code = gap, 3
+                    best, code = gap, 0 if barriers.pillars[k, 2] >= WALL_CM else 3
             for k in range(len(barriers.rocks)):
                 gap = from_rock(barriers.rocks[k], (x, y, z))[1]
                 if gap < best:

@@ -9,6 +9,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.report_files import write_plots
+from subsea.geometry.walls import is_wall, tank_of
 from subsea.lab.measures import BARRIERS, SAMPLE_S, clearances, meals, time_budget
 from subsea.lab.schooling import LINK_BL, WHOLE, schools
 from subsea.media.record import Record
@@ -191,7 +192,7 @@ def _eventful(record: Record) -> list[int]:
 def _paths_page(page: Any, record: Record) -> None:
     """Draw the paths of the fishes from above, over the seabed and its obstacles."""
     from matplotlib.colors import LinearSegmentedColormap
-    from matplotlib.patches import Circle, Ellipse
+    from matplotlib.patches import Circle, Ellipse, Rectangle
 
     page.set_size_inches(8.6, 7.4)
     axis = page.subplots()
@@ -207,7 +208,13 @@ def _paths_page(page: Any, record: Record) -> None:
     wall = Circle((0, 0), record.radius_cm / 100, fill=False, color="0.2", linewidth=1.2)
     axis.add_patch(wall)
     shade.set_clip_path(wall)
-    for x, y, radius, _ in record.pillars / 100:
+    if tank := tank_of(record.pillars):
+        long, wide = tank[0] / 100, tank[1] / 100
+        glass = Rectangle(
+            (-long / 2, -wide / 2), long, wide, fill=False, color="0.2", linewidth=1.2, zorder=3
+        )
+        axis.add_patch(glass)
+    for x, y, radius, _ in record.pillars[~is_wall(record.pillars)] / 100:
         axis.add_patch(Circle((x, y), radius, color=STONE, zorder=4))
     for rock in record.rocks:
         x, y, a, b = rock[[0, 1, 3, 4]] / 100

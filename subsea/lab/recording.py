@@ -18,6 +18,7 @@ from subsea.base.source_stamp import source_stamp
 from subsea.behavior.table import OURS
 from subsea.behavior.teleop import TeleopCommands
 from subsea.fish.species import repertoire_file, species_file
+from subsea.lab.functions import described
 from subsea.media import record
 from subsea.motor.pose import centres_world, ends_world
 from subsea.repertoire import SEGMENTS
@@ -81,12 +82,18 @@ def provenance_of(
 
     `module` is the file of the code that makes the result. A missing file is a UserError.
     """
+    found = inputs_of(scenario, source, changes, module)
+    return found._replace(scenario=scenario_text(scenario, source))
+
+
+def inputs_of(scenario: Scenario, source: Path, changes: Sequence[str], module: str) -> Provenance:
+    """Collect the same without the text of the scenario, which its file and changes determine."""
     names = tuple(scenario.species)
     return Provenance(
         program=f"subsea {__version__}",
         packages=f"numpy {np.__version__}, numba {numba.__version__}",
         code_sha256=source_stamp(Path(module).resolve()),
-        scenario=scenario_text(scenario, source),
+        scenario="",
         scenario_sha256=file_hash(source),
         changes=tuple(changes),
         species_keys=names,
@@ -228,12 +235,6 @@ def rules_of(world: World) -> list[str]:
         ),
         *(f"sense: {described(one)}" for one in world.senses),
     ]
-
-
-def described(function: Any) -> str:
-    """Describe a function by what it says of itself, or by its place in the code."""
-    place = f"{getattr(function, '__module__', '?')}.{getattr(function, '__qualname__', '?')}"
-    return getattr(function, "description", None) or place
 
 
 def extent(ticks: int, fishes: int) -> str:

@@ -1,11 +1,11 @@
 """Records of simulations: make, open and measure them; the names that a scenario may have."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, Unpack, cast
 
 from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
@@ -13,7 +13,10 @@ from subsea.base.progress import say
 from subsea.base.system import cores, missing_packages
 from subsea.dive.warm_up import warm_up
 from subsea.fish.species import species_names
+from subsea.jobs.dask_cluster import dask_pool
 from subsea.jobs.workers import process_pool, serial
+from subsea.lab.functions import stays
+from subsea.lab.own_measures import own_measures
 from subsea.lab.report import measure as measures_of
 from subsea.lab.rules import Rules, RulesGiven
 from subsea.lab.simulate import Run, record_world, simulate_run
@@ -25,6 +28,14 @@ from subsea.scenario.load import scenario_names
 from subsea.world.world import TICK_S
 
 PathText = str | PathLike[str]
+Values = Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]
+
+
+class SweepGiven(RulesGiven, total=False):
+    """More keywords of `sweep`."""
+
+    measures: Sequence[Callable[..., Any]]
+    cluster: Any
 
 
 def scenarios() -> list[str]:
@@ -135,11 +146,11 @@ def sweep(
     *,
     seeds: Iterable[int],
     seconds: float,
-    values: Mapping[str, Sequence[Any]] | None = None,
+    values: Values | None = None,
     fish: int | None = None,
     jobs: int | None = None,
     records: bool = False,
-    **rules: Unpack[RulesGiven],
+    **more: Unpack[SweepGiven],
 ) -> Path:
     """Record and measure every combination of seeds and values, as `subsea sweep` does.
 
@@ -148,21 +159,25 @@ def sweep(
         out: A folder for the results. Runs that it has already are not made again.
         seeds: The seeds.
         seconds: Length of each run, rounded to ticks of 0.033 s.
-        values: The values of each key to try: `{"nature.timidity": [1.0, 2.0]}`.
+        values: The values of each key: `{"nature.timidity": [1.0, 2.0]}`. All combinations run.
+            Or a list of points, each with a value of each key, as of `subsea.latin_hypercube` and
+            `subsea.sobol`.
         fish: The number of fishes to which shoals are scaled; None: the scenario's.
         jobs: Parallel processes; None: one for each core; 1: none but this one. A script that uses
             several must call this below ``if __name__ == "__main__":``, as Python asks.
         records: True keeps the record of each run in the folder ``records``.
-        **rules: `behaviors`, `senses` and `orders` as of `subsea.simulate`. Other processes import
-            them from their modules. Those of a notebook or script run in this process.
+        **more: `measures` are more measures, as of `subsea.measure`. `cluster` is a Dask cluster or
+            client, or the address of a scheduler, whose workers run in place of processes here.
+            `behaviors`, `senses` and `orders` are as of `subsea.simulate`. Other processes import
+            all functions from their modules. Those of a notebook or script run in this process.
 
     Returns:
         The table with a row for each run: Parquet, or CSV without the extra `sweep`.
         docs/reference/records.md describes its columns.
 
     Raises:
-        UserError: A faulty scenario or value, a file that cannot be written, a rule that fails, or
-            several `jobs` with rules that other processes cannot import.
+        UserError: A faulty scenario or value, a file that cannot be written, a rule or measure that
+            fails, or several `jobs` or a cluster with functions that other processes cannot import.
         ValueError: A length under one tick, less than one job, or a seed or number of fishes
             outside its range.
 
@@ -173,22 +188,38 @@ def sweep(
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"jobs: {jobs!r}, expected at least 1")
-    seeds, given = [*seeds], Rules(**rules)
+    cluster = more.get("cluster")
+    if cluster is not None and jobs is not None:
+        raise ValueError("jobs and cluster: give one of the two")
+    measures = own_measures(more.get("measures", ()))
+    rules = {name: value for name, value in more.items() if name in RulesGiven.__annotations__}
+    unknown_names = more.keys() - SweepGiven.__annotations__.keys()
+    if unknown_names:
+        raise TypeError(f"sweep: unexpected keyword {min(unknown_names)!r}")
+    seeds, given = [*seeds], Rules(**cast(RulesGiven, rules))
     for seed in seeds:
         check_numbers(seed, fish)
-    if given.stay and jobs is not None and jobs > 1:
+    alone = given.stay or stays(measures)
+    if alone and (cluster is not None or (jobs is not None and jobs > 1)):
         raise UserError(
-            "sweep: other processes cannot import these rules; put them into a module that is "
-            "installed or in PYTHONPATH, or give jobs=1"
+            "sweep: other processes cannot import these rules or measures; put them into a module "
+            "that is installed or in PYTHONPATH, or give jobs=1"
         )
-    runs = Sweep(scenario, seeds, _ticks(seconds), fish, values or {}, given.fields)
-    jobs = (1 if given.stay else cores()) if jobs is None else jobs
-    warm_up(say)
+    table, points = (values, ()) if isinstance(values, Mapping) else ({}, values or ())
+    runs = Sweep(
+        scenario, seeds, _ticks(seconds), fish, table, tuple(points), measures, given.fields
+    )
+    jobs = (1 if alone else cores()) if jobs is None else jobs
+    if cluster is not None:
+        pool = dask_pool(cluster)
+    else:
+        pool = serial if jobs == 1 else process_pool(jobs)
+        warm_up(say)
     with deferred_interrupts() as check:
         return run_sweep(
             runs,
             Path(out),
-            pool=serial if jobs == 1 else process_pool(jobs),
+            pool=pool,
             csv=bool(missing_packages("sweep")),
             records=records,
             check=check,
@@ -209,17 +240,38 @@ def open_record(path: PathText) -> Record:
     return read_record(Path(path))
 
 
-def measure(record: Record | PathText) -> dict[str, Any]:
+def measure(
+    record: Record | PathText, measures: Iterable[Callable[..., Any]] = ()
+) -> dict[str, Any]:
     """Compute all measures of a record, as `subsea study --json` writes them.
 
     docs/reference/records.md defines each of them.
 
+    Args:
+        record: A record, or its file.
+        measures: Functions of your own. Their parameters are names of the arrays and numbers of
+            `subsea.Record`, such as `position` or `tick_s`, or `record` for all of it; those with a
+            default value are yours. A function returns a finite number, a table of numbers by name,
+            or None where there is nothing to measure.
+
+    Returns:
+        The measures by name; those of your own in `own`, by the names of their functions.
+
+    Raises:
+        UserError: A file that cannot be read; an unknown parameter; a function that raises, or that
+            returns anything else.
+
     Examples:
+        >>> def deepest_cm(position):
+        ...     return -position[..., 2].min()
         >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
-        >>> subsea.measure(path)["fishes"]
-        10
+        >>> found = subsea.measure(path, [deepest_cm])
+        >>> found["fishes"], 0 < found["own"]["deepest_cm"] < 800
+        (10, True)
     """
-    return measures_of(record if isinstance(record, Record) else open_record(record))
+    own = own_measures(measures)
+    read = record if isinstance(record, Record) else open_record(record)
+    return measures_of(read, own=own)
 
 
 def _ticks(seconds: float) -> int:

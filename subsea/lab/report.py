@@ -18,6 +18,7 @@ from subsea.base.progress import count_noun, print_line
 from subsea.base.report_files import check_plots
 from subsea.lab import measures
 from subsea.lab.leadership import Leadership, leadership
+from subsea.lab.own_measures import OwnMeasure
 from subsea.lab.plots import RECORD_PLOTS, plot
 from subsea.lab.schooling import School, schools, splits, states
 from subsea.media.record import Record, read_record
@@ -27,7 +28,10 @@ Measured = dict[str, Any]  # by name, for JSON
 MEASURES = json_file("a report of `subsea study`", "minds", "groups")
 
 
-def study(record: Path, out: Path | None, report: Path | None, force: bool = False) -> int:
+def study(
+    record: Path, out: Path | None, report: Path | None, force: bool = False,
+    own: Sequence[OwnMeasure] = (),
+) -> int:  # fmt: skip
     """Measure the record in a file and print a table; returns the exit code.
 
     `out` is a folder for plots, `report` gets the measures as JSON. Raises a UserError before any
@@ -43,7 +47,7 @@ def study(record: Path, out: Path | None, report: Path | None, force: bool = Fal
     # In compiled code Ctrl-C would surface as another error.
     with interrupts.deferred_interrupts() as check:
         read = read_record(record)
-        found = measure(read, check)
+        found = measure(read, check, own)
         print("\n".join(table(found)))
         with ExitStack() as whole:
             if report:
@@ -65,10 +69,12 @@ def refuse_clashes(records: Sequence[Path], results: list[Path]) -> None:
         taken[place] = "another result"
 
 
-def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
+def measure(
+    record: Record, check: Callable[[], None] = lambda: None, own: Sequence[OwnMeasure] = ()
+) -> Measured:
     """Compute all measures of docs/reference/records.md; None where there is nothing to measure.
 
-    `check`, which may raise, is called between two of them.
+    `check`, which may raise, is called between two of them. `own` are more, by their names.
     """
     ticks, n = record.alive.shape
     found: Measured = {
@@ -83,6 +89,8 @@ def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measure
     for name, part in parts.items():
         check()
         found[name] = part(record)
+    if own:
+        found["own"] = {one.name: one.of(record) for one in own}
     check()
     return found
 
@@ -149,6 +157,10 @@ def _school(school: School, leads: Leadership, end: float) -> Measured:
         "splits": len(parts),
         "longest_split_s": _rounded(max((s.duration for s in parts), default=0.0)),
         "not_rejoined": sum(not s.rejoined for s in parts),
+        "each_fish": [
+            {"fish": int(fish), "delay_s": _known(delay), "front_bl": _rounded(front)}
+            for fish, delay, front in zip(leads.fish, leads.delay_s, leads.front_bl, strict=True)
+        ],
         "each_split": [
             {"start_s": _rounded(s.start), "lasted_s": _rounded(s.duration),
              "apart_share": _rounded(s.apart), "rejoined": s.rejoined}
@@ -217,6 +229,10 @@ def _food(record: Record) -> Measured:
     }
 
 
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else _rounded(value)
+
+
 def _rounded(value: Any) -> float:
     return round(float(value), 4)
 
@@ -255,7 +271,17 @@ def table(found: Measured) -> list[str]:
         "",
         *_budget(minds["time_budget"], food["meals_per_fish_minute"]),
     ]  # fmt: skip
-    return lines + _school_rows(found["schools"])
+    return lines + _school_rows(found["schools"]) + _own_rows(found.get("own", {}))
+
+
+def _own_rows(own: Measured) -> list[str]:
+    """Format measures of a program or of another package."""
+    rows: Measured = {}
+    for name, value in own.items():
+        parts = value if isinstance(value, dict) else {"": value}
+        rows |= {f"{name} {part}".rstrip(): number for part, number in parts.items()}
+    lines = [_line(name, "–" if value is None else f"{value:g}") for name, value in rows.items()]
+    return ["", *lines] if lines else []
 
 
 def _line(name: str, value: str) -> str:

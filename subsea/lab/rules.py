@@ -4,24 +4,20 @@ A rule is a plain Python function or one of `numba.njit`. Its parameters are nam
 it sees as they are at the time and cannot write. It returns new values for the fishes `who`.
 """
 
-import inspect
-import pickle
-import textwrap
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from hashlib import sha256
-from traceback import extract_tb
+from functools import cached_property
 from typing import Any, NoReturn, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
-from subsea.base.errors import UserError, nearest, printable
+from subsea.base.errors import UserError, nearest
 from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Routine
 from subsea.geometry.rotation import matrix
+from subsea.lab.functions import identified, name_of, parameters_of, raised, short, stays
 from subsea.library import World, check_rules
 from subsea.state import Clock, Fishes, Minds, Nature, Sea, Spec, declared
 from subsea.submarine.vessel import NEUTRAL
@@ -31,7 +27,6 @@ from subsea.world.world import World as State
 LEVELS = {"collision": COLLISION, "danger": DANGER, "appetite": APPETITE, "ease": EASE}
 SPEED = 0.5  # of a rule that returns none, share of the fastest speed
 SHORTEST = 1e-9  # of a direction; a shorter one keeps the heading
-MOST_TOLD = 200  # characters of another program's error
 
 Groups = tuple[Fishes, Minds, Sea, Nature, Clock]
 PARTS: dict[str, int] = {
@@ -82,18 +77,12 @@ class Rule:
     @cached_property
     def parameters(self) -> list[str]:
         """The parameters to fill, in order; those with a default value are left to it."""
-        given = inspect.signature(self.function).parameters.values()
-        return [
-            one.name
-            for one in given
-            if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
-            and (one.default is one.empty or one.name in MORE)
-        ]
+        return parameters_of(self.function, MORE)
 
     @cached_property
     def description(self) -> str:
         """The names of its module and function, and a hash of its text and of its bound values."""
-        return f"{place_of(self.function)} sha256 {digest_of(self.function)[:16]}"
+        return identified(self.function)
 
     def call(self, who: Ints, groups: Groups) -> Any:
         """Call the function for the fishes `who`; a UserError if it raises."""
@@ -106,14 +95,14 @@ class Rule:
         try:
             return self.function(**given)
         except Exception as fault:
-            self.fail(f"raised {_told(fault)}{_line_of(fault)}", fault)
+            self.fail(raised(fault), fault)
 
     def numbers(self, values: Any, shape: tuple[int, ...], what: str, who: Ints) -> Array:
         """Check what the function returned for the fishes `who`: finite numbers of a shape."""
         try:
             array = np.asarray(values, np.float64)
         except (TypeError, ValueError):
-            self.fail(f"returned {what} {_short(values)}, expected numbers")
+            self.fail(f"returned {what} {short(values)}, expected numbers")
         if array.shape != shape:
             expected = f"{shape}, a row for each of `who`"
             self.fail(f"returned {what} of shape {array.shape}, expected {expected}")
@@ -121,7 +110,7 @@ class Rule:
         if wrong.any():
             fish = int(who[wrong.argmax()])
             value = array[wrong.argmax()]
-            self.fail(f"returned {what} {_short(value)} for fish {fish}, expected finite numbers")
+            self.fail(f"returned {what} {short(value)} for fish {fish}, expected finite numbers")
         return array
 
     def within(self, array: Array, least: float, most: float, what: str, who: Ints) -> Array:
@@ -136,7 +125,9 @@ class Rule:
 
     def fail(self, why: str, fault: Exception | None = None) -> NoReturn:
         """Raise a UserError that names the rule."""
-        raise UserError(f"{self.use} {self.name!r}, rule {_name(self.function)}: {why}") from fault
+        raise UserError(
+            f"{self.use} {self.name!r}, rule {name_of(self.function)}: {why}"
+        ) from fault
 
 
 @dataclass(frozen=True)
@@ -346,10 +337,7 @@ class Rules:
     @property
     def stay(self) -> bool:
         """True if no other process can import the rules: a notebook, a script or a function."""
-        try:
-            return b"__main__" in pickle.dumps(self)
-        except (pickle.PicklingError, AttributeError, TypeError):
-            return True
+        return stays(self)
 
 
 @dataclass(frozen=True)
@@ -361,7 +349,7 @@ class Orders:
     @cached_property
     def description(self) -> str:
         """The names and the hash of the function."""
-        return f"{place_of(self.function)} sha256 {digest_of(self.function)[:16]}"
+        return identified(self.function)
 
     def __call__(self, state: State) -> Order:
         """Return the order; a UserError for a function that raises, and for an order of no use."""
@@ -370,79 +358,14 @@ class Orders:
             order = self.function(world)
         except Exception as fault:
             raise UserError(
-                f"orders {_name(self.function)}, tick {state.state.tick}: raised {_told(fault)}"
-                f"{_line_of(fault)}"
+                f"orders {name_of(self.function)}, tick {state.state.tick}: {raised(fault)}"
             ) from fault
         try:
             return NEUTRAL if order is None else world.checked(order)
         except (TypeError, ValueError) as fault:
             raise UserError(
-                f"orders {_name(self.function)}, tick {state.state.tick}: {fault}"
+                f"orders {name_of(self.function)}, tick {state.state.tick}: {fault}"
             ) from fault
-
-
-def _told(fault: Exception) -> str:
-    """Give the kind and the first lines of another program's error, as one line."""
-    lines = [line.strip() for line in str(fault).splitlines() if line.strip()]
-    return f"{type(fault).__name__}: {printable(' '.join(lines[:2]))[:MOST_TOLD]}"
-
-
-def place_of(function: Any) -> str:
-    """Name the module and the function, or the function that a `partial` calls."""
-    inner = _inner(function)
-    module = getattr(inner, "__module__", type(inner).__module__)
-    return f"{module}.{getattr(inner, '__qualname__', type(inner).__qualname__)}"
-
-
-def digest_of(function: Any) -> str:
-    """Hash the text of a function, or its code, and the values that are bound to it.
-
-    Values are those of a `partial` and of enclosing functions. What the function calls does not
-    count.
-    """
-    inner = _inner(function)
-    plain = getattr(inner, "py_func", inner)
-    try:
-        text = textwrap.dedent(inspect.getsource(plain)).encode()
-    except (OSError, TypeError):
-        code = getattr(plain, "__code__", None)
-        text = pickle.dumps(plain) if code is None else code.co_code + repr(code.co_consts).encode()
-    cells = [one.cell_contents for one in getattr(plain, "__closure__", None) or ()]
-    bound: list[Any] = [*cells, getattr(plain, "__defaults__", None)]
-    while isinstance(function, partial):
-        bound += [*function.args, *sorted(function.keywords.items())]
-        function = function.func
-    sha = sha256(text)
-    for value in bound:
-        try:
-            sha.update(pickle.dumps(value))
-        except (pickle.PicklingError, AttributeError, TypeError):
-            sha.update(place_of(value).encode())
-    return sha.hexdigest()
-
-
-def _inner(function: Any) -> Any:
-    while isinstance(function, partial):
-        function = function.func
-    return function
-
-
-def _name(function: Any) -> str:
-    return getattr(_inner(function), "__name__", type(function).__name__)
-
-
-def _line_of(fault: BaseException) -> str:
-    """Say where in a program an exception was raised: its last line outside of this package."""
-    own = [
-        place
-        for place in extract_tb(fault.__traceback__)
-        if place.filename != __file__ and "site-packages" not in place.filename
-    ]
-    return f" (line {own[-1].lineno} of {own[-1].name})" if own else ""
-
-
-def _short(value: Any) -> str:
-    return printable(" ".join(str(value).split()))[:60]
 
 
 def _headings(fishes: Fishes) -> Array:

@@ -15,10 +15,10 @@ from subsea.base.progress import say
 from subsea.behavior.intention import Behavior, Routine
 from subsea.dive.start import WAKING, Say
 from subsea.dive.warm_up import warm_up
+from subsea.lab.functions import described
 from subsea.lab.recording import (
     check_changes,
     constants_of,
-    described,
     empty_block,
     extent,
     names_of,

@@ -7,6 +7,7 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.base.report_files import add_report_options
+from subsea.lab.measure_option import add_measures
 from subsea.lab.sweep_command import add_jobs, seeds
 
 MAX_SECONDS = 3600
@@ -41,6 +42,7 @@ def add(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder for plots (PNG)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the measures")
+    add_measures(parser)
     validate = parser.add_argument_group("validation", "Only with --validate.")
     validate.add_argument(
         "--validate", action="store_true", help="run scenarios; compare with measured fishes"
@@ -67,13 +69,16 @@ def run(options: Namespace) -> int:
             raise UserError(f"study: --{name} needs --validate")
     if not options.records:
         raise UserError("study: expected RECORD.h5, or --validate")
+    from subsea.lab.own_measures import named_measures
+
+    own = named_measures(options.measures)
     if len(options.records) > 1:
         from subsea.lab.comparison import compare
 
-        return compare(options.records, options.out, options.json, options.force)
+        return compare(options.records, options.out, options.json, options.force, own)
     from subsea.lab.report import study
 
-    return study(options.records[0], options.out, options.json, options.force)
+    return study(options.records[0], options.out, options.json, options.force, own)
 
 
 def _validate(options: Namespace) -> int:

@@ -4,7 +4,6 @@ Tables are Parquet and CSV files: equal rows give equal bytes.
 """
 
 import csv
-import json
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,13 +20,15 @@ import msgspec
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result, csv_file, signed
 from subsea.base.files import check_folder, partial_folder, read_input, remove_abandoned, replacing
-from subsea.base.progress import count_noun, progress
+from subsea.base.progress import count_noun, progress, say
 from subsea.base.system import require
 from subsea.base.toml_edit import toml_value
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, serial
 from subsea.lab.comparison import Row, flat_measures
-from subsea.lab.recording import Provenance, provenance_of
+from subsea.lab.own_measures import OwnMeasure
+from subsea.lab.recording import Provenance, inputs_of
 from subsea.lab.report import measure
+from subsea.lab.run_store import RunStore
 from subsea.lab.simulate import Run, record_run
 from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
@@ -162,9 +163,10 @@ MAX_NAMED = 5  # runs that an error names
 
 @dataclass(frozen=True)
 class Sweep:
-    """The runs of a sweep: every combination of `seeds` and of the `values` of each key.
+    """The runs of a sweep: every combination of `seeds`, `points` and `values` of each key.
 
-    Values are texts as in ``--set KEY=VALUE``, or what TOML can write.
+    A point has one value for each of its keys, which are those of all points. Values are texts as
+    in ``--set KEY=VALUE``, or what TOML can write.
     """
 
     scenario: str
@@ -172,7 +174,47 @@ class Sweep:
     ticks: int
     fish: int | None = None
     values: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    points: Sequence[Mapping[str, Any]] = ()
+    measures: tuple[OwnMeasure, ...] = ()
     rules: Mapping[str, Any] = field(default_factory=dict)  # `behaviors` and so on of each run
+
+    @property
+    def keys(self) -> list[str]:
+        """The keys that differ between runs."""
+        return [*self.values, *(self.points[0] if self.points else ())]
+
+    def choices(self) -> Iterator[dict[str, str]]:
+        """Give a text for each key, for every combination of points and values."""
+        columns = {key: [_text(value) for value in values] for key, values in self.values.items()}
+        points = [{key: _text(value) for key, value in one.items()} for one in self.points]
+        for point in points or [{}]:
+            for values in product(*columns.values()):
+                yield dict(zip(columns, values, strict=True)) | point
+
+    def __len__(self) -> int:
+        """Count the runs."""
+        number = len(self.seeds) * max(len(self.points), 1)
+        for values in self.values.values():
+            number *= len(values)
+        return number
+
+    def check(self) -> None:
+        """Raise a UserError for too many runs, or points whose keys differ."""
+        if not 0 < len(self) <= MAX_RUNS:
+            raise UserError(f"{len(self):,} runs, expected 1 to {MAX_RUNS:,}")
+        for number, point in enumerate(self.points):
+            if point.keys() != self.points[0].keys():
+                keys = ", ".join(self.points[0])
+                raise UserError(f"point {number} of the sweep: expected values for {keys}")
+        twice = [key for key in self.values if self.points and key in self.points[0]]
+        if twice:
+            raise UserError(f"{twice[0]}: has values and points, expected one of the two")
+        if "seed" in self.keys:
+            raise UserError("seed: give the seeds of a sweep, not values for it")
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else toml_value(value)
 
 
 class _Job(NamedTuple):
@@ -184,11 +226,7 @@ class _Job(NamedTuple):
     inputs: str  # digest of everything that the result depends on
     folder: str  # for a record, if it exists there
     keep: bool
-
-
-class _Result(msgspec.Struct):
-    inputs: str
-    measures: Row
+    measures: tuple[OwnMeasure, ...] = ()
 
 
 def sweep(
@@ -208,11 +246,14 @@ def sweep(
     except with `force`. `check` is called meanwhile and may raise; finished runs stay. Raises a
     UserError for invalid values before the first run, and at the end if runs crashed.
     """
+    options.check()
     tables = _check_tables(out, csv, force)
     jobs = dict(_jobs(options, out, records))
+    store = RunStore(out / "runs", say)
     rows: dict[str, Row] = {}
     if not force:
-        rows = {name: row for name, job in jobs.items() if (row := _finished(out, name, job))}
+        rows = store.read({name: job.inputs for name, job in jobs.items()})
+        rows = {name: row for name, row in rows.items() if _has_record(out, name, jobs[name])}
     missing = {name: job for name, job in jobs.items() if name not in rows}
     crashed: list[str] = []
     try:
@@ -220,20 +261,25 @@ def sweep(
             out.mkdir(parents=True, exist_ok=True)
             for folder in (out, out / "runs", out / "records"):
                 remove_abandoned(folder)
-            with partial_folder(out / "records") as scratch:
+            with store.writing(), partial_folder(out / "records") as scratch:
                 given = {name: job._replace(folder=str(scratch)) for name, job in missing.items()}
                 with progress(len(jobs), "run", len(rows)) as count:
                     for name, result in pool(make_run, given, check):
                         if result is None:
                             crashed.append(name)
                             continue
-                        rows[name] = _save(out, name, jobs[name], *result)
+                        row, record = result
+                        if record is not None:
+                            _keep(out, name, record)
+                        store.add(name, jobs[name].inputs, row)
+                        rows[name] = row
                         count()
     except KeyboardInterrupt:
         kept = count_noun(len(rows), "run", "runs")
         raise KeyboardInterrupt(f"{out}: {kept} kept; run the same command to continue") from None
-    keys = [*options.values]
-    lines = [_line(name, jobs[name].run, keys) | rows[name] for name in jobs if name in rows]
+    lines = [
+        _line(name, jobs[name].run, options.keys) | rows[name] for name in jobs if name in rows
+    ]
     for path, write in tables.items():
         write(path, lines)
     if crashed:
@@ -265,33 +311,28 @@ def _check_tables(out: Path, csv: bool, force: bool) -> dict[Path, Callable[...,
 
 
 def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]]:
-    """List all runs with their names, in the order of the table; checks every combination."""
-    texts = {
-        key: [value if isinstance(value, str) else toml_value(value) for value in values]
-        for key, values in options.values.items()
-    }
-    number = len(options.seeds)
-    for choices in texts.values():
-        number *= len(choices)
-    if not 0 < number <= MAX_RUNS:
-        raise UserError(f"{number:,} runs, expected 1 to {MAX_RUNS:,}")
-    for values in product(*texts.values()):
-        changes = tuple(f"{key}={value}" for key, value in zip(texts, values, strict=True))
+    """List all runs with their names, in the order of the table; check every combination."""
+    for choice in options.choices():
+        changes = tuple(f"{key}={value}" for key, value in choice.items())
         run = Run(options.scenario, options.ticks, None, options.fish, changes, **options.rules)
         chosen, source, _ = load_scenario(options.scenario, changes)
         if not any(shoal.number for shoal in chosen.fish):
             raise UserError("has no fishes, nothing to record", file=source)
-        origin = provenance_of(chosen, source, changes, __file__)
+        origin = inputs_of(chosen, source, changes, __file__)
         content = read_input(source)
         for seed in options.seeds:
             one = replace(run, seed=seed)
-            inputs = _digest(one, origin)
-            yield inputs[:16], _Job(one, source.name, content, inputs, "", records)
+            inputs = _digest(one, origin, options.measures)
+            yield (
+                inputs[:16],
+                _Job(one, source.name, content, inputs, "", records, options.measures),
+            )
 
 
-def _digest(run: Run, origin: Provenance) -> str:
+def _digest(run: Run, origin: Provenance, measures: Sequence[OwnMeasure]) -> str:
     """Hash everything that the result of a run depends on."""
-    inputs = [run.ticks, run.seed, run.fish, origin, *run.rules]
+    own = [one.description for one in measures]
+    inputs = [run.ticks, run.seed, run.fish, origin, *run.rules, *own]
     return sha256(msgspec.json.encode(inputs)).hexdigest()
 
 
@@ -303,14 +344,14 @@ def make_run(job: _Job) -> tuple[Row, bytes | None]:
         scenario.write_bytes(job.content)
         run = replace(job.run, scenario=str(scenario))
         loaded = load_scenario(run.scenario, run.changes)
-        if _digest(run, provenance_of(*loaded, __file__)) != job.inputs:
+        if _digest(run, inputs_of(*loaded, __file__), job.measures) != job.inputs:
             raise UserError(
                 "a worker has another version of subsea, numpy, numba or the species; install the "
                 "same"
             )
         try:
             record_run(run, out)
-            row = flat_measures(measure(read_record(out)))
+            row = flat_measures(measure(read_record(out), own=job.measures))
         except UserError as fault:
             raise type(fault)(f"{_describe(run)}: {fault}") from fault
         return row, out.read_bytes() if job.keep else None
@@ -320,30 +361,15 @@ def _describe(run: Run) -> str:
     return " ".join([f"seed {run.seed}", *run.changes])
 
 
-def _save(out: Path, name: str, job: _Job, row: Row, record: bytes | None) -> Row:
-    """Write the result of a finished run, and its record before it."""
-    if record is not None:
-        with replacing(out / "records" / f"{name}.h5") as temporary:
-            temporary.write_bytes(record)
-    with replacing(out / "runs" / f"{name}.json") as temporary:
-        temporary.write_text(json.dumps({"inputs": job.inputs, "measures": row}, indent=1))
-    return row
+def _keep(out: Path, name: str, record: bytes) -> None:
+    """Write the record of a finished run."""
+    with replacing(out / "records" / f"{name}.h5") as temporary:
+        temporary.write_bytes(record)
 
 
-def _finished(out: Path, name: str, job: _Job) -> Row | None:
-    """Read the measures of a run that `out` has already; None if it must be made."""
-    if job.keep and not (out / "records" / f"{name}.h5").is_file():
-        return None
-    return read_result(out / "runs" / f"{name}.json", job.inputs)
-
-
-def read_result(path: Path, inputs: str) -> Row | None:
-    """Read the measures of a run with these inputs; None if missing, damaged or of others."""
-    try:
-        found = msgspec.json.decode(read_input(path), type=_Result)
-    except (UserError, msgspec.MsgspecError, ValueError, RecursionError):
-        return None
-    return found.measures if found.inputs == inputs else None
+def _has_record(out: Path, name: str, job: _Job) -> bool:
+    """True unless the record of a run is wanted and missing."""
+    return not job.keep or (out / "records" / f"{name}.h5").is_file()
 
 
 def _line(name: str, run: Run, keys: Iterable[str]) -> dict[str, Any]:

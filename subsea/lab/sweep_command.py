@@ -33,6 +33,7 @@ def add_jobs(parser: Any) -> None:
 def add(commands: Any) -> None:
     """Add the command."""
     from subsea.jobs.dask_cluster import add_cluster
+    from subsea.lab.measure_option import add_measures
 
     parser = add_command(
         commands,
@@ -45,6 +46,8 @@ def add(commands: Any) -> None:
             "subsea sweep schooling --seeds 1:64 --seconds 60 --out schools",
             "subsea sweep schooling --seeds 1:8 --seconds 60 --set nature.timidity=1,2 --out shy",
             "subsea sweep peaceful --seeds 1,5 --seconds 10 --csv --out few",
+            "subsea sweep peaceful --seeds 1 --seconds 10 --draw nature.keen=0:1 --points 4 "
+            "--design sobol --out drawn",
         ],
     )
     parser.add_argument("scenario", metavar="SCENARIO", help="name or .toml file")
@@ -59,8 +62,33 @@ def add(commands: Any) -> None:
         metavar="KEY=A,B,…",
         help="values of a key of the scenario; commas in brackets and quotes belong to a value",
     )
+    parser.add_argument(
+        "--draw",
+        dest="ranges",
+        action="append",
+        default=[],
+        metavar="KEY=LEAST:MOST",
+        help="draw values of a key from this range, for as many points as --points says",
+    )
+    parser.add_argument(
+        "--points",
+        metavar="N|FILE.csv",
+        help="with --draw: number of points; else a table of points, whose first line has the keys",
+    )
+    parser.add_argument(
+        "--design",
+        choices=("latin", "sobol"),
+        help="with --draw: Latin hypercube (default), or Sobol sequence (extra `sobol`)",
+    )
+    parser.add_argument(
+        "--draw-seed",
+        type=number_reader(int, 0, 2**32 - 1),
+        metavar="N",
+        help="with --draw: seed of the draw (default 0)",
+    )
     add_length(parser)
     shared.add(parser, "fish")
+    add_measures(parser)
     add_jobs(parser)
     add_cluster(parser)
     parser.add_argument(
@@ -82,6 +110,7 @@ def run(options: Namespace) -> int:
     from subsea.dive.warm_up import warm_up
     from subsea.jobs.dask_cluster import dask_pool
     from subsea.jobs.workers import process_pool
+    from subsea.lab.own_measures import named_measures
     from subsea.lab.sweep import Sweep, read_values, sweep
 
     if options.cluster is not None and options.jobs is not None:
@@ -89,7 +118,10 @@ def run(options: Namespace) -> int:
     if options.cluster is None and options.cluster_tls is not None:
         raise UserError("--cluster-tls needs --cluster")
     values = read_values(options.settings)
-    chosen = Sweep(options.scenario, options.seeds, ticks_of(options), options.fish, values)
+    chosen = Sweep(
+        options.scenario, options.seeds, ticks_of(options), options.fish, values, _points(options),
+        named_measures(options.measures),
+    )  # fmt: skip
     if options.cluster is not None:
         pool = dask_pool(options.cluster, options.cluster_tls)
     else:
@@ -107,3 +139,19 @@ def run(options: Namespace) -> int:
         )
     print(table)
     return 0
+
+
+def _points(options: Namespace) -> list[dict[str, Any]]:
+    """Draw the points of a design, or read a table of points."""
+    from subsea.lab.designs import DESIGNS, MOST_POINTS, read_points, read_ranges
+
+    if not options.ranges:
+        for name in ("design", "draw_seed"):
+            if getattr(options, name) is not None:
+                raise UserError(f"--{name.replace('_', '-')} needs --draw")
+        return [] if options.points is None else read_points(Path(options.points))
+    number = options.points or ""
+    if not number.isdecimal() or not 1 <= int(number) <= MOST_POINTS:
+        raise UserError(f"--draw needs --points N, a number of points from 1 to {MOST_POINTS:,}")
+    draw = DESIGNS[options.design or "latin"]
+    return draw(read_ranges(options.ranges), int(number), options.draw_seed or 0)

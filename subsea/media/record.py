@@ -10,6 +10,7 @@ from subsea.base import hdf5
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import hdf5_file
+from subsea.base.system import require
 from subsea.fish.surface import SurfacePlan, along
 
 FORMAT, VERSION = "subsea-record", 2
@@ -201,6 +202,59 @@ class Record(NamedTuple):
         """The species as scenarios name them, or their common names with underscores."""
         names = [name.lower().replace(" ", "_") for name in self.species_names]
         return [*self.species_keys] or names
+
+    @property
+    def individuals(self) -> list[str]:
+        """A name for each fish: its species and number, such as ``fusilier_3``."""
+        keys = self.keys
+        return [f"{keys[kind]}_{i}" for i, kind in enumerate(self.species)]
+
+    @property
+    def body_points(self) -> tuple[tuple[str, ...], Array]:
+        """Names and places (T, n, k, 3), cm, of the k points of a body that a record has."""
+        return ("snout", "centre", "tail"), np.stack([self.snout, self.centre, self.tail], axis=2)
+
+    def to_movement(self) -> Any:
+        """Make a dataset of poses for the package `movement`.
+
+        Returns:
+            An `xarray.Dataset` with `position` (time, space, keypoints, individuals), cm, and
+            `confidence` (time, keypoints, individuals), 1. Keypoints are snout, centre of mass and
+            tail; individuals have names such as ``fusilier_3``. Both arrays are NaN after the death
+            of a fish. Time is in s, z is up, and the surface is at 0.
+
+        Raises:
+            UserError: xarray is not installed (extra `tracks`).
+
+        Examples:
+            >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
+            >>> dict(subsea.open_record(path).to_movement().sizes)
+            {'time': 10, 'space': 3, 'keypoints': 3, 'individuals': 10}
+        """
+        require("tracks", "Record.to_movement")
+        import xarray
+
+        names, points = self.body_points
+        there = self.alive[..., None]
+        position = np.where(there[..., None], points, np.nan).transpose(0, 3, 2, 1)
+        sure = np.where(np.broadcast_to(there, points.shape[:3]), 1.0, np.nan).transpose(0, 2, 1)
+        dimensions = ("time", "space", "keypoints", "individuals")
+        return xarray.Dataset(
+            {
+                "position": (dimensions, position.astype(np.float32), {"units": "cm"}),
+                "confidence": (("time", *dimensions[2:]), sure.astype(np.float32)),
+            },
+            {
+                "time": ("time", self.time, {"units": "s"}),
+                "space": [*"xyz"],
+                "keypoints": [*names],
+                "individuals": self.individuals,
+            },
+            {
+                "source_software": "subsea", "ds_type": "poses", "fps": 1.0 / self.tick_s,
+                "time_unit": "seconds",
+            },
+        )  # fmt: skip
 
 
 BY_MINDS = ("minds",)  # of a record in which nobody interferes

@@ -42,6 +42,7 @@ def findings(scenario: Scenario) -> Findings:
     """
     for key, place in _places(scenario):
         yield from _outside(key, place, scenario)
+    yield from _untanked(scenario)
     yield from _misnamed(scenario)
     yield from _misfits(scenario)
     yield from _unruly(scenario)
@@ -101,6 +102,24 @@ def _outside(key: str, place: tuple[float, ...] | None, scenario: Scenario) -> F
         if len(place) == 3:
             expected += f" and 0 to {depth:g} cm high"
         yield UserError(f"`{key}` {place} lies outside the sea: expected {expected}", key=key)
+
+
+def _untanked(scenario: Scenario) -> Findings:
+    """Find a tank that is larger than the sea, and currents through its walls."""
+    bounds, water = scenario.bounds, scenario.water
+    if bounds.tank_cm is None:
+        return
+    corner = 0.5 * math.hypot(*bounds.tank_cm)
+    if corner > bounds.radius_cm:
+        yield UserError(
+            f"`bounds.tank_cm` {list(bounds.tank_cm)}: its corners are {corner:.0f} cm from the "
+            f"middle, expected at most {bounds.radius_cm:g}, the radius of the sea",
+            key="bounds.tank_cm",
+        )
+    for name in ("current_cm_s", "stream_cm_s"):
+        if any(getattr(water, name)):
+            key = f"water.{name}"
+            yield UserError(f"`{key}`: expected 0 in a tank, whose walls let no water in", key=key)
 
 
 def _misnamed(scenario: Scenario) -> Findings:

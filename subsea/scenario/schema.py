@@ -72,6 +72,7 @@ MAX_SEED = 2**32 - 1
 Seed = Annotated[int, msgspec.Meta(ge=0, le=MAX_SEED)]
 Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Size = Annotated[float, msgspec.Meta(ge=0.001, le=1000)]
+TankSide = Annotated[float, msgspec.Meta(ge=150, le=4000)]
 Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
@@ -92,6 +93,8 @@ class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
     radius_cm: Annotated[float, msgspec.Meta(ge=300, le=20000)]
     depth_cm: Annotated[float, msgspec.Meta(ge=200, le=5000)]
+    # Inner length along x and width along y of a tank with walls of glass around the middle.
+    tank_cm: tuple[TankSide, TankSide] | None = None
 
 
 class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -16,6 +16,7 @@ from subsea.base.errors import UserError, unknown
 from subsea.geometry.curves import Curve, curve_at, curve_through
 from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.geometry.vector import Vector, dot, norm, plus, store, times, vector
+from subsea.geometry.walls import is_wall
 from subsea.kernels import kernel
 from subsea.scenario.schema import AUTOPILOT, Bounds, Scenario, TourTable, Waypoint
 from subsea.state import HULL_CM, Sea, State, Submarine
@@ -458,7 +459,10 @@ def gaps_at(place: tuple[float, float, float], sea: Sea, rocks: list[str]) -> di
         "the seabed": z - height_at(sea.heights, sea.half_width, x, y),
         "the reef": z - height_at(sea.floor, sea.half_width, x, y),
     }
-    gaps |= {f"`pillar[{k}]`": from_pillar(row, place)[1] for k, row in enumerate(sea.pillars)}
+    glass = is_wall(sea.pillars)
+    for k, row in enumerate(sea.pillars):
+        name = "a wall of the tank" if glass[k] else f"`pillar[{k}]`"
+        gaps[name] = min(from_pillar(row, place)[1], gaps.get(name, math.inf))
     for name, row in zip(rocks, sea.rocks, strict=True):
         gaps[name] = min(from_rock(row, place)[1], gaps.get(name, math.inf))
     return gaps

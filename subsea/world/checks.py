@@ -54,7 +54,7 @@ def findings(scenario: Scenario, sea: Sea, owners: list[str]) -> Findings:
             f"{len(owners)} rocks in all, those of outcrops and arches counted, "
             f"expected at most {MAX_SOLIDS}"
         )
-    for k, top in enumerate(sea.pillars[:, 3]):
+    for k, top in enumerate(sea.pillars[: len(scenario.pillar), 3]):
         if top > 0.0:
             height, key = scenario.pillar[k].height_cm, f"pillar[{k}].height_cm"
             yield UserError(

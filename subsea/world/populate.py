@@ -215,7 +215,10 @@ def _places(
     shoal: Shoal, number: int, schooling: bool, scenario: Scenario, rng: np.random.Generator
 ) -> Array:
     """Draw the starting places (number, 3) of a shoal inside the cylinder, cm."""
-    radius = scenario.bounds.radius_cm
+    radius, tank = scenario.bounds.radius_cm, scenario.bounds.tank_cm
+    if shoal.position_cm is None and tank is not None:
+        share = rng.uniform((-0.4, -0.4, -0.9), (0.4, 0.4, -0.3), (number, 3))
+        return share * (*tank, scenario.bounds.depth_cm)
     if shoal.position_cm is None:
         angle = rng.uniform(0, 2 * np.pi, number)
         reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
@@ -227,6 +230,8 @@ def _places(
     places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
     out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
     places[:, :2] /= np.maximum(out, 1.0)[:, None]
+    if tank is not None:
+        places[:, :2] = np.clip(places[:, :2], *np.multiply.outer((-0.45, 0.45), tank))
     return np.asarray(places)
 
 

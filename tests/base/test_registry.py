@@ -10,6 +10,8 @@ import pytest
 
 from subsea.base import registry
 from subsea.base.errors import UserError
+from subsea.lab.records import simulate
+from tests.support.scenes import BARE
 
 OUTSIDE = Path(__file__).parents[1] / "support" / "outside"
 
@@ -76,6 +78,17 @@ def test_fishes_follow_a_behavior_of_another_package(outside):
         [sys.executable, "-c", DOZING], env=outside, capture_output=True, text=True, check=False
     )
     assert "doze" in done.stdout, done.stderr
+
+
+def test_a_measure_of_another_package_is_a_row(outside, tmp_path):
+    path = simulate(str(BARE), tmp_path / "run.h5", seconds=0.1, fish=4)
+    done = subsea(outside, "study", str(path), "--measure", "depth")
+    assert done.returncode == 0, done.stderr
+    assert [line.split()[:2] for line in done.stdout.splitlines()[-2:]] == [
+        ["depth_cm", "least"], ["depth_cm", "most"],
+    ]  # fmt: skip
+    done = subsea(outside, "study", str(path), "--measure", "depht")
+    assert done.stderr == "subsea: unknown measure 'depht'; did you mean 'depth'?\n"
 
 
 def points(*given):

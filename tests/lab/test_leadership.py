@@ -49,6 +49,8 @@ def test_a_fish_that_rarely_schools_does_not_count():
 def test_the_report_has_leadership_and_spread():
     [school] = measure(a_school(1.2))["schools"]
     assert school["first_fish"] == 3
+    delays = {one["fish"]: one["delay_s"] for one in school["each_fish"]}
+    assert max(delays, key=delays.get) == 3 and delays[3] == school["first_by_s"]
     assert school["first_by_s"] == pytest.approx(LAG_S * 2.0, abs=0.03)
     assert school["front_leads"] == pytest.approx(1.0, abs=0.01)
     assert school["spread_bl"] == pytest.approx(np.sqrt(1.25), abs=0.01)  # of 0, 1, 2 and 3

@@ -10,7 +10,8 @@ import pytest
 
 import subsea
 from subsea.behavior.intention import APPETITE, EASE
-from subsea.lab.rules import PARTS, SENSED, Rules, digest_of
+from subsea.lab.functions import digest_of
+from subsea.lab.rules import PARTS, SENSED, Rules
 from subsea.media.record import read_origin
 from subsea.state import SCHOOL
 from tests.support.scenes import BARE
@@ -234,7 +235,8 @@ def test_a_sweep_makes_runs_again_whose_rule_has_changed(tmp_path):
             str(BARE), tmp_path / "sweep", seeds=[1], seconds=0.1, fish=4, jobs=1, **rules
         )
         assert table.is_file()
-        return sorted(one.stem for one in (tmp_path / "sweep" / "runs").iterdir())
+        journal = tmp_path / "sweep/runs/journal.jsonl"
+        return journal.read_text().splitlines()
 
     slow = subsea.rule("mine", partial(north, pace=0.2), desire=1.0)
     quick = subsea.rule("mine", partial(north, pace=0.9), desire=1.0)

@@ -20,3 +20,5 @@ for _name in ("Forage", "Escape"):
     gymnasium.register(
         f"subsea/{_name}-v0", entry_point=f"subsea.lab.environments.steered_fish:{_name}Env"
     )
+
+from subsea.lab.environments.showing import RecordVideo as RecordVideo  # noqa: E402

@@ -47,7 +47,6 @@ from subsea.world.snapshot import changing
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
-RENDER_MODES = ["rgb_array"]
 QUALITY = "low"  # of pictures
 
 

@@ -8,17 +8,17 @@ from gymnasium.spaces import Box
 from pettingzoo import ParallelEnv
 
 from subsea.base.arrays import Bytes, Ints
-from subsea.base.errors import UserError, unknown
+from subsea.base.errors import UserError
 from subsea.lab.environments.living_sea import (
     ACTIONS,
     NAMES,
-    RENDER_MODES,
     LivingSea,
     Outcome,
     checked_action,
     senses,
 )
 from subsea.lab.environments.rewards import Reward
+from subsea.lab.environments.showing import RENDER_MODES, Shown, check_render_mode
 from subsea.library import World
 from subsea.scenario.shoals import find_fish
 
@@ -39,8 +39,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         self, name: str, sea: LivingSea, who: Ints, reward: Reward, render_mode: str | None
     ) -> None:
         """Steer the fishes `who` of a sea; a UserError if there are none."""
-        if render_mode not in (None, *RENDER_MODES):
-            raise unknown("render_mode", str(render_mode), RENDER_MODES)
+        check_render_mode(render_mode)
         if not len(who):
             raise UserError(f"scenario {sea.options.scenario}: it has no fish for an agent")
         fps = sea.decisions_per_second
@@ -58,6 +57,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         }
         self._rng = np.random.default_rng()
         self._steps = 0
+        self._shown = Shown(render_mode, fps, self._draw)
 
     @property
     def world(self) -> World:
@@ -89,6 +89,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         who = self._who()
         self.sea.turn(who, self._rng, SPREAD_CM, TURN_RAD)
         outcome = self.sea.advance(who, np.zeros((len(who), len(ACTIONS))), ticks=1)
+        self._shown.update()
         return self._observations(who), self._infos(outcome)
 
     def step(
@@ -124,18 +125,24 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
             {agent: bool(late and outcome.alive[k]) for k, agent in enumerate(self.agents)},
             self._infos(outcome),
         )
+        self._shown.update()
         living = zip(self.agents, outcome.alive, strict=True)
         self.agents = [agent for agent, alive in living if alive and not late]
         return told
 
     def render(self) -> Bytes | None:
-        """Draw the first living agent from behind (height, width, 3), with "rgb_array"."""
-        if self.render_mode is None:
-            return None
+        """Draw the first living agent from behind (height, width, 3), with "rgb_array".
+
+        With "human", `reset` and `step` show it in a window.
+        """
+        return self._shown.render()
+
+    def _draw(self) -> Bytes:
         return self.sea.pictures.behind(self._fish[(self.agents or self.possible_agents)[0]])
 
     def close(self) -> None:
-        """Release the renderer."""
+        """Release the renderer and the window."""
+        self._shown.close()
         self.sea.close()
 
     def _who(self) -> Ints:

@@ -12,6 +12,7 @@ from subsea.base.errors import UserError, unknown
 from subsea.geometry.rotation import x_axis
 from subsea.lab.environments import living_sea
 from subsea.lab.environments.rewards import Reward, escape_reward, forage_reward
+from subsea.lab.environments.showing import RENDER_MODES, Shown, check_render_mode
 from subsea.library import World
 from subsea.scenario.shoals import find_fish
 from subsea.state import PREDATOR, PREY
@@ -30,7 +31,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
     default_reward: Reward
     wanted: str  # fishes that may be steered, for messages
 
-    metadata: dict[str, Any] = {"render_modes": living_sea.RENDER_MODES}  # noqa: RUF012 as in the base
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012 as in the base
 
     def __init__(
         self, scenario: str | None = None, fish: int | str | None = None,
@@ -43,8 +44,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         """
         if observation not in OBSERVATIONS:
             raise unknown("observation", str(observation), OBSERVATIONS)
-        if render_mode not in (None, *living_sea.RENDER_MODES):
-            raise unknown("render_mode", str(render_mode), living_sea.RENDER_MODES)
+        check_render_mode(render_mode)
         self.sea = living_sea.LivingSea(living_sea.sea_options(scenario or self.scenario, options))
         self.metadata = self.metadata | {"render_fps": self.sea.decisions_per_second}
         self._candidates = self.candidates()
@@ -56,6 +56,8 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         if not len(self._candidates):
             raise UserError(f"scenario {self.sea.options.scenario}: it has no {self.wanted}")
         self.render_mode, self._observation = render_mode, observation
+        fps = self.sea.decisions_per_second
+        self._shown = Shown(render_mode, fps, lambda: self.sea.pictures.behind(self.fish))
         self._reward = reward or self.default_reward
         self._who = self._candidates[:1]
         self._steps, self._over = 0, True
@@ -93,6 +95,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         self.start(self.fish)
         outcome = self.sea.advance(self._who, np.zeros((1, len(living_sea.ACTIONS))), ticks=1)
         self._steps, self._over = 0, False
+        self._shown.update()
         return self._observe(), self._info(outcome.meals)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -109,14 +112,19 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         self._over = dead
         late = self._steps >= self.sea.options.max_steps
         reward = float(self._reward(outcome)[0])
+        self._shown.update()
         return self._observe(), reward, dead, late and not dead, self._info(outcome.meals)
 
     def render(self) -> Bytes | None:
-        """Draw the fish from behind (height, width, 3), with render_mode "rgb_array"."""
-        return self.sea.pictures.behind(self.fish) if self.render_mode == "rgb_array" else None
+        """Draw the fish from behind (height, width, 3), with render_mode "rgb_array".
+
+        With "human", `reset` and `step` show it in a window.
+        """
+        return self._shown.render()
 
     def close(self) -> None:
-        """Release the renderer."""
+        """Release the renderer and the window."""
+        self._shown.close()
         self.sea.close()
 
     def _observe(self) -> Array | Bytes:

@@ -21,6 +21,7 @@ from subsea.fish.paint import paint
 from subsea.fish.skinning import couple, place
 from subsea.fish.species import Species
 from subsea.fish.surface import rest_control_points
+from subsea.lab.environments.showing import RENDER_MODES, Shown, check_render_mode
 from subsea.lab.environments.swim_school import (
     ACTION_SPACE,
     OBSERVATION_SPACE,
@@ -49,7 +50,7 @@ class SwimEnv(gymnasium.Env[Array, Array]):
     An episode ends (``terminated``, ``info["burst"]``) when the body loses its shape.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 30}  # noqa: RUF012
 
     def __init__(
         self,
@@ -64,13 +65,14 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         ``task`` is one of `swim_school.TASKS`, ``reward`` replaces its reward. A step lasts
         ``frame_skip`` ticks of 0.033 s.
         """
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise UserError(f"render_mode = {render_mode!r}; expected 'rgb_array' or None")
+        check_render_mode(render_mode)
         self._school = SwimSchool(1, Exercise(species, task, reward, frame_skip))
         self.action_space, self.observation_space = ACTION_SPACE, OBSERVATION_SPACE
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1.0 / (frame_skip * TICK_S))}
+        fps = 1.0 / (frame_skip * TICK_S)
+        self.metadata = {**self.metadata, "render_fps": round(fps)}
         self._picture: Any = None
+        self._shown = Shown(render_mode, fps, self._draw)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -78,6 +80,7 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         """Begin an episode at rest, slightly disturbed; ``options`` are ignored."""
         super().reset(seed=seed)
         self._school.begin(ONE, [self.np_random])
+        self._shown.update()
         return self._school.bodies.observed[0].copy(), self._info()
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
@@ -86,21 +89,25 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         reward = self._school.step(ONE, actions, [self.np_random])
         burst = not self._school.bodies.sound[0]
         info = self._info()
+        self._shown.update()
         return self._school.bodies.observed[0].copy(), reward.item(), burst, False, info
 
     def render(self) -> Bytes | None:
         """Draw the body (360, 640, 3) as the renderer draws it, from a fixed direction.
 
-        UserError without OpenGL. None unless ``render_mode`` is "rgb_array".
+        UserError without OpenGL. None unless ``render_mode`` is "rgb_array". With "human", `reset`
+        and `step` show it in a window.
         """
-        if self.render_mode is None:
-            return None
+        return self._shown.render()
+
+    def _draw(self) -> Bytes:
         if self._picture is None:
             self._picture = SwimPicture(self._school.species)
         return self._picture.draw(self._school.bodies.x[0])
 
     def close(self) -> None:
         """Free what drawing uses."""
+        self._shown.close()
         if self._picture is not None:
             self._picture.release()
             self._picture = None

@@ -17,6 +17,7 @@ from subsea.frame.packet import RenderScene
 from subsea.geometry.noise import fractal
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, vector
+from subsea.geometry.walls import is_wall
 from subsea.habitat.formations import NEAR_CM as NEAR_BLOCKS_CM
 from subsea.habitat.formations import (
     RELIEF_CM,
@@ -332,7 +333,9 @@ def _darken(vertices: Array, growths: Array) -> None:
 
 def object_ids(pillars: Array, rocks: Array, places: Array) -> Array:
     """Object ids (n,) of points (n, 3) on stone; overlapping solids have that of the first."""
-    solid = first_of_formation(pillars, rocks)[_nearest(pillars, rocks, places)]
+    # Walls are not drawn: set far away, they are the nearest of no point.
+    far_walls = np.where(is_wall(pillars)[:, None], pillars * (9.0, 9.0, 1.0, 1.0), pillars)
+    solid = first_of_formation(pillars, rocks)[_nearest(far_walls, rocks, places)]
     number = solid - len(pillars)
     return np.asarray(np.where(number < 0, object_id(PILLAR, solid), object_id(ROCK, number)))
 

@@ -24,7 +24,7 @@ def env():
     return EscapeEnv(changes=LEAN, max_steps=150)
 
 
-def test_it_keeps_the_convention(env):
+def test_it_keeps_the_convention(env, display):
     hunted = ['fish.0.kind="prey"', 'fish.1.kind="predator"']  # of a sea that is quickly made
     made = gymnasium.make("subsea/Escape-v0", scenario=str(BARE), changes=hunted)
     check_env(made.unwrapped)

@@ -26,7 +26,7 @@ def env():
     env.close()
 
 
-def test_it_keeps_the_convention():
+def test_it_keeps_the_convention(display):
     env = gymnasium.make("subsea/Forage-v0", max_steps=3, **SMALL)
     check_env(env.unwrapped)  # a warning would be an error here
     env.reset(seed=1)
@@ -101,7 +101,7 @@ def test_faulty_actions_and_options_are_one_line(env):
         ForageEnv(**SMALL).step(STILL)
     for faulty, line in (
         ({"observation": "smell"}, "unknown observation 'smell'"),
-        ({"render_mode": "human"}, "unknown render_mode"),
+        ({"render_mode": "humane"}, "unknown render_mode 'humane'; did you mean 'human'"),
         ({"tick": 3}, "unknown option 'tick'; did you mean 'ticks'"),
         ({"ticks": 0}, "whole numbers from 1"),
         ({"fish": "blue_tang"}, "unknown fish 'blue_tang'"),

@@ -52,7 +52,7 @@ def test_gymnasium_finds_no_fault(task):
 
 
 @pytest.mark.filterwarnings("error")
-def test_gymnasium_finds_no_fault_in_pictures():
+def test_gymnasium_finds_no_fault_in_pictures(display):
     env = gymnasium.make("subsea/Swim-v0", render_mode="rgb_array")
     check_env(env.unwrapped)
     env.close()
@@ -265,7 +265,7 @@ def test_a_bad_action_is_a_value_error_of_one_line(action, told):
         ({"species": "fusilierr"}, "fusilier"),
         ({"task": "sleep"}, "unknown task 'sleep'; expected one of speed"),
         ({"frame_skip": 0}, "frame_skip = 0; expected 1 or more"),
-        ({"render_mode": "human"}, "expected 'rgb_array' or None"),
+        ({"render_mode": "ansi"}, "unknown render_mode 'ansi'"),
     ],
 )
 def test_a_bad_parameter_is_a_user_error(given, told):
