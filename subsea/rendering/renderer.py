@@ -197,9 +197,10 @@ class Renderer(GpuOwner):
 
         Call it for packets that are not drawn, so that later pictures do not depend on that.
         """
-        shown = self._coral.shown(self.quality.growth)
-        for batch, chosen in ((self._rocks, None), (self._coral, shown), (self._seabed, None)):
-            batch.choose(packet.views, packet.time_s, self.quality.detail, chosen)
+        shown, when = self._coral.shown(self.quality.growth), (packet.views, packet.time_s)
+        self._rocks.choose(*when, self.quality.detail, bites=packet.bites)
+        self._coral.choose(*when, self.quality.detail, shown, packet.bites)
+        self._seabed.choose(*when, self.quality.detail)
 
     @contextmanager
     def apart(self, rig: CameraRig) -> Iterator[None]:
