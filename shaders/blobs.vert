@@ -16,7 +16,7 @@ void main() {
     vec3 place = a_place + vec3(aside, dot(aside, a_lie.xy));
     vec3 ray = place - u_eye;
     float distance = length(ray);
-    v_veil = open_water(ray / distance) * (1.0 - clearness(distance));
+    v_veil = u_unit * open_water(ray / distance) * (1.0 - clearness(distance));
     v_dark = a_size.z;
     gl_Position = u_view_projection * vec4(place - min(LIFT_CM, 0.3 * distance) * ray / distance, 1.0);
 }

@@ -6,12 +6,14 @@ in vec4 v_look;
 out vec4 f_colour;
 
 #if LINEAR
+uniform float u_unit;  // of light on the canvas, as in view.glsl
+
 // The light that becomes a final colour on the canvas: the inverse of sRGB and of the filmic curve
 // of resolve.frag, without its care for hue.
 vec3 drawn(vec3 colour) {
     vec3 y = pow(clamp(colour, 0.0, 0.95), vec3(2.2));
     vec3 a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y;
-    return (sqrt(b * b + 0.56 * a * y) - b) / (2.0 * a);
+    return u_unit * (sqrt(b * b + 0.56 * a * y) - b) / (2.0 * a);
 }
 #else
 vec3 drawn(vec3 colour) {

@@ -10,9 +10,10 @@ const float MIDDLE = 0.18;  // the grey that contrast leaves as it is
 // would turn saturated colours toward yellow, cyan and magenta; so most of the hue is kept, but of
 // what is very bright, which burns out to white.
 vec3 filmic(vec3 x) {
-    vec4 y = vec4(x, max(max(x.r, x.g), max(x.b, 1e-4)));
-    vec4 curved = clamp(y * (2.51 * y + 0.03) / (y * (2.43 * y + 0.59) + 0.14), 0.0, 1.0);
-    return mix(curved.rgb, x * (curved.a / y.a), 0.4 - 0.4 * curved.a * curved.a);
+    vec4 y = vec4(x, max(max(x.r, x.g), x.b));
+    vec4 steep = (2.51 * y + 0.03) / (y * (2.43 * y + 0.59) + 0.14);  // the curve over its light
+    float most = min(y.a * steep.a, 1.0);
+    return min(x * mix(steep.rgb, steep.aaa, 0.4 - 0.4 * most * most), 1.0);
 }
 
 // Developed as a grade says, about a middle grey.

@@ -77,5 +77,5 @@ void main() {
     // What is blended is light, before the curve: so a faint line is given the light of its share.
     vec3 y = vec3(from_srgb(a_colour.r), from_srgb(a_colour.g), from_srgb(a_colour.b));
     float opacity = max(a_colour.a, 1e-3);
-    v_colour = vec4(light_of(opacity * y) / opacity, opacity);
+    v_colour = vec4(u_unit * light_of(opacity * y) / opacity, opacity);
 }

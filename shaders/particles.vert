@@ -89,5 +89,5 @@ void main() {
     vec3 colour = u_colour * glint * light * clear + water_radiance(look) * (1.0 - clear);
     float strength = share * (1.0 - smoothstep(0.6 * u_reach, u_reach, distance))
         * smoothstep(NEAR.x, NEAR.y, distance) * step(world.z, 0.0);
-    v_colour = vec4(colour, strength);
+    v_colour = vec4(u_unit * colour, strength);
 }

@@ -7,6 +7,7 @@
 //   MESH    1: a mesh says of which place
 //   GRADED  1: light is developed as the scenario's grade says
 //   BLOOM   1: light spreads around what is very bright
+//   EXACT   1: each pixel of the place is one of the canvas
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 #include "curve.glsl"
 
@@ -20,6 +21,8 @@ uniform vec3 u_wide;    // angle of a panorama, tilt and angle of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
 uniform float u_gamma;  // of the projector
 uniform float u_margin; // tangent of half a cube face's angle of view
+uniform float u_whole;  // what the canvas holds is the light over this
+uniform ivec2 u_shift;  // pixels from the place to the canvas, where EXACT
 
 uniform sampler2D u_bloom;
 
@@ -50,14 +53,14 @@ vec3 to_srgb(vec3 x) {
 // What the canvas holds at a place in its own pixels, not mixed with what lies beside the source.
 vec3 held(vec4 source, vec2 inside) {
     vec2 place = source.xy + clamp(inside, vec2(0.5), source.zw - 0.5);
-    return texture(u_picture, place / vec2(textureSize(u_picture, 0))).rgb;
+    return u_whole * texture(u_picture, place / vec2(textureSize(u_picture, 0))).rgb;
 }
 
 // The pixel of an eye for this one of the picture, exactly, counted from the upper left corner.
 vec3 pixel(vec4 source) {
     vec2 place = floor(vec2(v_place.x, 1.0 - v_place.y) * source.zw);
     place = source.xy + vec2(place.x, source.w - 1.0 - place.y);
-    return texelFetch(u_picture, ivec2(place), 0).rgb;
+    return u_whole * texelFetch(u_picture, ivec2(place), 0).rgb;
 }
 
 // Where a pixel looks: right, up, ahead (view/surround.py). Zero outside a dome.
@@ -157,7 +160,9 @@ vec3 light() {
     if (SHAPE >= EQUIRECTANGULAR)
         return eye(u_left, v_seen.xy, -1.0);
     vec2 place = SHAPE == WARPED ? v_seen.xy : v_place, inside = place * u_left.zw;
-    vec3 x = SMOOTH == 1 ? smoothed(inside) : held(u_left, inside);
+    vec3 x;
+    if (EXACT == 1) x = u_whole * texelFetch(u_picture, ivec2(gl_FragCoord.xy) + u_shift, 0).rgb;
+    else x = SMOOTH == 1 ? smoothed(inside) : held(u_left, inside);
     if (BLOOM == 1)
         x += SPREAD * texture(u_bloom, place).rgb;
     return curved(x);

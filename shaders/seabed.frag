@@ -1,4 +1,5 @@
-// Sand: ripple marks in two directions, grain, litter, and rubble about what stands on it.
+// Sand: ripple marks in two directions, grain, litter, and rubble about what stands on it. Without
+// CLOSE_UP they are in one, which costs one read of a texture and not two.
 #include "optics.glsl"
 #include "show.glsl"
 #ifdef FADING
@@ -48,19 +49,25 @@ void main() {
     mat2 flow = mat2(u_flow, -u_flow.y, u_flow.x);
     vec2 wound = (p + v_broad * vec2(20.0, 26.0)) * flow;
     vec4 one = 6.0 * texture(u_ripples, wound / 173.0) - 3.0;
-    vec4 other = 6.0 * texture(u_ripples, TURNED * wound / 271.0 + 0.37) - 3.0;
     vec4 bits = texture(u_litter, TURNED * p / 67.0);
 
+#ifdef CLOSE_UP
     // Where one set of ripples is strong the other is weak.
+    vec4 other = 6.0 * texture(u_ripples, TURNED * wound / 271.0 + 0.37) - 3.0;
     float share = smoothstep(-0.7, 0.9, v_broad + 0.25 * other.z);
+    vec3 ripple = mix(one.xyz, vec3(other.xy * TURNED, other.z), share);
+    float grain = one.w + other.w;
+#else
+    vec3 ripple = one.xyz;
+    float grain = 1.5 * one.w;
+#endif
     float rubble = ground.z;
     // From afar light that water has scattered softens them more than their haze tells.
     float strong = 0.5 + 0.5 * smoothstep(0.0, 0.3, v_clear.g);
     strong *= 0.75 + 0.25 * wave(vec2(0.62 * v_broad)).x;
     strong *= 1.0 - 0.6 * rubble;
-    vec2 marks = flow * mix(one.xy, other.xy * TURNED, share) * strong;
-    float height = mix(one.z, other.z, share) * strong;
-    float grain = one.w + other.w;
+    vec2 marks = flow * ripple.xy * strong;
+    float height = ripple.z * strong;
     vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * v_broad + 0.20 * height + 0.075 * grain, 0.0, 1.0));
     sand = mix(sand, FILM, clamp(0.30 * smoothstep(0.2, 1.6, -v_broad) + 0.9 * rubble, 0.0, 0.85));
 

@@ -1,4 +1,4 @@
-// Output of a pixel: its colour, or with OBJECT_IDS the object id of what hides at least half of what lies
+// Output of a pixel: its light on the canvas, or with OBJECT_IDS the object id of what hides at least half of what lies
 // behind it, and the distance along the view.
 #ifdef OBJECT_IDS
 #ifdef OWN_IDS
@@ -15,9 +15,15 @@ void show(vec4 colour) {
     f_object_id = vec2(v_object_id, 1.0 / gl_FragCoord.w);
 }
 #else
+#ifdef INTEGERS
+const float UNIT = 1.0 / 8.0;  // as u_unit; a software renderer reads a uniform for each pixel
+#else
+const float UNIT = 1.0;
+#endif
+
 out vec4 f_colour;
 
 void show(vec4 colour) {
-    f_colour = colour;
+    f_colour = vec4(UNIT * colour.rgb, colour.a);
 }
 #endif

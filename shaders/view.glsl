@@ -16,6 +16,7 @@ layout(std140) uniform View {
     MEMBER vec3 u_far;       // radiance of the far water, seen level
     MEMBER vec3 u_broad;     // scattered forward about the sun: a broad glow
     MEMBER vec3 u_narrow;    // and a narrow one
+    MEMBER float u_unit;     // of light on the canvas: what is written for a light of 1
 #ifndef PAGE
 };
 #endif

@@ -24,5 +24,6 @@ void main() {
     vec4 far = u_inverse * vec4(place, 1.0, 1.0);
     vec3 direction = normalize(far.xyz / far.w - u_eye);
     v_open = open_water(direction) * plankton(direction) + glow(direction, 1e5);
+    v_open *= u_unit;
     gl_Position = vec4(place, 1.0, 1.0);
 }

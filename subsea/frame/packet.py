@@ -38,7 +38,7 @@ from subsea.state import (
     empty,
 )
 from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage, view_arrays
+from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, ViewArrays, coverage, view_arrays
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import (
     LEVELS,
@@ -71,7 +71,8 @@ INSTANCE_COLUMNS = 30
 # Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
 
-MOST_BITES = 16  # traces of feeding that a picture shows, as `bites.glsl`
+MOST_BITES = 16  # traces of feeding that a picture shows, as `bites.glsl` ...
+BITE_CM = 7.0  # ... and their radius
 SHOWN_STOCK = 0.97  # share of the food that is left where a trace still shows
 LEAST_PART = 1024  # instances for which another thread pays
 # Bounding spheres hold the nodes; the surface reaches a little farther.
@@ -158,7 +159,8 @@ class Packet:
     current_cm_s: tuple[float, float] | None = None  # None: as in the scene
     lamps: Lamps | None = None  # None while they are off
     hour: float | None = None  # of the day; None: as in the scene
-    # Places where growth was eaten, cm, and the share that is gone (k, 4) float32, nearest first.
+    # Places in sight where growth was eaten, cm, and the share that is gone (k, 4) float32, nearest
+    # first.
     bites: Array = field(default_factory=lambda: np.zeros((0, 4), np.float32))
 
 
@@ -278,7 +280,7 @@ def pack(
         current_cm_s=world.flowing_cm_s,
         lamps=lamps_of(pilot) if world.state.submarine.lights[0] else None,
         hour=_hour(world.scenario.water, time_s),
-        bites=_bites(world.state.sea, views[0].eye if views else pilot.eye),
+        bites=_bites(world.state.sea, views[0].eye if views else pilot.eye, arrays),
     )
 
 
@@ -287,11 +289,19 @@ def _hour(water: Water, time_s: float) -> float | None:
     return hour_at(water.hour, water.day_minutes, time_s) if water.day_minutes else None
 
 
-def _bites(sea: Sea, eye: Array) -> Array:
-    """The places (k, 4) nearest to an eye where growth was eaten, and the share that is gone."""
+def _bites(sea: Sea, eye: Array, views: ViewArrays) -> Array:
+    """The places (k, 4) nearest to an eye where growth was eaten, and the share that is gone.
+
+    Those that no view sees are left out.
+    """
     eaten = np.flatnonzero(sea.stock < SHOWN_STOCK)
+    if not len(eaten):
+        return np.zeros((0, 4), np.float32)
     away = ((sea.site_place[eaten] - eye) ** 2).sum(axis=1)
     nearest = eaten[np.argsort(away, kind="stable")[:MOST_BITES]]
+    # In the frustum of a view is what is on the inner side of all of its planes.
+    inside = views.planes[..., :3] @ sea.site_place[nearest].T + views.planes[..., 3:]
+    nearest = nearest[(inside > -BITE_CM).all(axis=1).any(axis=0)]
     return np.column_stack([sea.site_place[nearest], 1.0 - sea.stock[nearest]]).astype(np.float32)
 
 

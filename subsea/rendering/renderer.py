@@ -181,7 +181,7 @@ class Renderer(GpuOwner):
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from now on; a UserError if the GPU cannot, without effect."""
         before = self.quality
-        if (before.scale, before.samples) != (quality.scale, quality.samples):
+        if before.canvas != quality.canvas:
             self._make_target(self.rig, quality)
         self.quality = quality
         for part in (
@@ -197,9 +197,10 @@ class Renderer(GpuOwner):
 
         Call it for packets that are not drawn, so that later pictures do not depend on that.
         """
-        shown = self._coral.shown(self.quality.growth)
-        for batch, chosen in ((self._rocks, None), (self._coral, shown), (self._seabed, None)):
-            batch.choose(packet.views, packet.time_s, self.quality.detail, chosen)
+        shown, when = self._coral.shown(self.quality.growth), (packet.views, packet.time_s)
+        self._rocks.choose(*when, self.quality.detail, bites=packet.bites)
+        self._coral.choose(*when, self.quality.detail, shown, packet.bites)
+        self._seabed.choose(*when, self.quality.detail)
 
     @contextmanager
     def apart(self, rig: CameraRig) -> Iterator[None]:
@@ -258,11 +259,11 @@ class Renderer(GpuOwner):
         context.enable(context.PROGRAM_POINT_SIZE)
         context.depth_func = "<="  # water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
-        eye, stage = None, self.timer.stage
+        eye, stage, unit = None, self.timer.stage, self._target.unit
         with stage("shadows"):
             shaded = self._cast(packet)
         for number, view in enumerate(map(self._on_canvas, packet.views)):
-            uniforms = uniforms_of(packet, view, self._scene.water) | shaded
+            uniforms = uniforms_of(packet, view, self._scene.water, unit) | shaded
             if uniforms["u_eye"] != eye:  # views through one eye share their shafts
                 with stage("shafts"):
                     self._shafts.draw(uniforms)
@@ -304,16 +305,17 @@ class Renderer(GpuOwner):
                 self.triangles += self._bubbles.draw(packet, number, uniforms)
                 self.triangles += self._particles.draw(packet, number, uniforms)
                 self.triangles += self._lines.draw(packet, number, view, uniforms)
-            self.vessel.draw(self.rig, number, np.array(self._scene.water.far))
+            self.vessel.draw(self.rig, number, np.array(self._scene.water.far), unit)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         with stage("output"):
-            self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
+            scale = self._scale(self.rig, self.quality)
+            self._show(self._target.resolved(), into, scale, unit)
         self.draw_calls = context.extra.calls - calls
         self.draw_s = context.extra.seconds - seconds
 
     def _cast(self, packet: Packet) -> dict[str, Any]:
-        """Draw the maps of shadows; returns their uniforms, and that of close-ups."""
+        """Draw the maps of shadows; returns their uniforms, and those that select programs."""
         eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
         fishes = partial(self._fishes.cast, len(packet.instances) if self.bodies else 0)
         standing = (
@@ -321,13 +323,14 @@ class Renderer(GpuOwner):
             partial(self._coral.cast, level=coral.CAST_LEVEL),
         )
         maps = self._sun.draw(standing, fishes, eye, water_of(packet, self._scene.water).hour)
-        return maps | ({"u_close_up": True} if self.quality.close_up else {})
+        chosen = {"u_close_up": self.quality.close_up, "u_integers": self.quality.integers}
+        return maps | {name: True for name, wanted in chosen.items() if wanted}
 
     def show(self, canvas: Bytes, into: Into = OWN) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
         texture = self._upload(canvas)
         try:
-            self._show(texture, into, 1.0, False)
+            self._show(texture, into, 1.0)
         finally:
             texture.release()
 
@@ -381,7 +384,7 @@ class Renderer(GpuOwner):
             for number, patch in enumerate(patches):
                 target = self._use(patch, into)
                 size = self.rig.outputs[patch.output]
-                self._overlay.draw(texture, target, size, number, 1.0, False)
+                self._overlay.draw(texture, target, size, number, 1.0, None)
         finally:
             texture.release()
 
@@ -395,8 +398,11 @@ class Renderer(GpuOwner):
         data = self._target.framebuffers[output, page].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
-    def _show(self, canvas: Any, into: Into, scale: float, linear: bool) -> None:
-        """Draw every patch of the rig from the canvas to its output."""
+    def _show(self, canvas: Any, into: Into, scale: float, unit: float | None = None) -> None:
+        """Draw every patch of the rig from the canvas to its output.
+
+        The canvas holds `unit` for a light of 1, or final colours if None.
+        """
         begun = set()
         for number, patch in enumerate(self.rig.patches):
             output = patch.output, patch.page
@@ -406,7 +412,7 @@ class Renderer(GpuOwner):
                 self._context.viewport = (0, 0, *size)
                 target.clear()  # dark outside the patches
             begun.add(output)
-            self._resolve.draw(canvas, target, size, number, scale, linear)
+            self._resolve.draw(canvas, target, size, number, scale, unit)
 
     def _use(self, patch: DisplayPatch, into: Into) -> Any:
         """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""
@@ -429,7 +435,9 @@ class Renderer(GpuOwner):
             )
         try:
             samples = min(quality.samples, self._context.max_samples)
-            target = RenderTarget(self._context, canvas, samples, rig.outputs, rig.pages)
+            target = RenderTarget(
+                self._context, canvas, samples, rig.outputs, rig.pages, quality.integers
+            )
         except moderngl.Error as fault:
             raise UserError(
                 f"pictures of {what} are more than this GPU can hold; take a smaller --size"

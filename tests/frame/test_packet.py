@@ -270,3 +270,17 @@ def test_growth_is_the_share_of_the_clusters_and_less_is_a_part_of_more(overgrow
     assert some < more < everything
     assert len(everything) == 48
     assert abs(len(some) - 0.4 * 48) <= 8  # whole clusters of four
+
+
+def test_only_bites_in_sight_are_packed(world):
+    sea = world.state.sea
+    before, place, ways = sea.stock.copy(), sea.site_place[0].astype(float), []
+    sea.stock[:] = 0.5
+    for heading in (0.0, np.pi):
+        pose = pose_from_angles(place - (50.0, 0.0, 0.0), heading, 0.0)
+        bites = frame.pack(world, views_for("mono", (640, 360), pose), 0.5).bites
+        ways.append((bites[:, :3] - pose.eye) @ pose.forward)
+    sea.stock[:] = before
+    assert len(ways[0]) > 0
+    assert len(ways[0]) + len(ways[1]) <= frame.MOST_BITES
+    assert (np.concatenate(ways) > -frame.BITE_CM).all()

@@ -30,6 +30,7 @@ TEXTURE_UNITS = {name: unit for unit, name in enumerate(_SAMPLERS)}
 # Defines that select a variant of a program, by the uniforms that need the variant. There are
 # variants because a software renderer would walk every branch for every pixel.
 NEEDS = {
+    "INTEGERS": "u_integers",  # the canvas holds integers
     "CLOSE_UP": "u_close_up",  # details that show at arm's length
     "LIT": "u_lamps",
     "SUN_MAP": "u_sun_view",
@@ -41,7 +42,7 @@ BLOCKS = {"Looks": 0, "View": 1}  # bindings of uniform blocks
 _MEMBERS = {
     "u_view": "16f", "u_projection": "16f", "u_view_projection": "16f", "u_inverse": "16f",
     "u_eye": "3f", "u_time": "1f", "u_balance": "3f4x", "u_far": "3f4x", "u_broad": "3f4x",
-    "u_narrow": "3f4x",
+    "u_narrow": "3f", "u_unit": "1f",
 }  # fmt: skip
 _VIEW_BYTES = sum(map(struct.calcsize, _MEMBERS.values()))
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
+from subsea.frame.packet import BITE_CM
 from subsea.kernels import kernel
 from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.rendering.gl.programs import ProgramVariants, variant_array
@@ -61,6 +62,17 @@ class FadeGroup(NamedTuple):
     items: Ints  # (n,), in the order of drawing
     level: Ints  # (n,)
     share: float  # as `fades.glsl` takes it; 0 draws all pixels
+    bitten: bool = False  # drawn with the traces of feeding on them
+
+    def parted(self, bitten: Bools) -> "list[FadeGroup]":
+        """Return the group without the `bitten` ones of all items (k,), and these as another."""
+        mine = bitten[self.items]
+        if not mine.any():
+            return [self]
+        both = ((~mine, False), (mine, True))
+        return [
+            FadeGroup(self.items[part], self.level[part], self.share, own) for part, own in both
+        ]
 
 
 def fade_groups(items: Ints, state: LevelState) -> list[FadeGroup]:
@@ -89,6 +101,7 @@ LARGE_PX = 150.0  # diameter from which a detail below 1 matters less; from twic
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
 TRIANGLES, UNSIGNED_INT = 0x0004, 0x1405  # OpenGL enums
 FADING = ("FADING",)  # variant of a program that draws a share of the pixels
+BITTEN = ("BITTEN",)  # variant that shows traces of feeding, `bites.glsl`
 
 
 class StaticMesh(NamedTuple):
@@ -151,10 +164,14 @@ class StaticBatch(GpuOwner):
         self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
         self._state = empty_levels(len(items))
         self._seen = np.zeros((0, len(items)), np.bool_)
+        self._bitten = np.zeros(len(items), np.bool_)
+        # Boxes about the items, whose sides a part may know better.
+        self._low = self._centres - self._radii[:, None]
+        self._high = self._centres + self._radii[:, None]
         self._draw_many = _multi_draw(programs.context)
         self._chosen = np.zeros((0, 3), np.int64)  # rows of `_ranges`, in the order of drawing
-        # Calls of each view: first and end among the chosen; triangles; share to draw.
-        self._calls: list[list[tuple[int, int, int, float]]] = []
+        # Calls of each view: first and end among the chosen; triangles; share to draw; bitten.
+        self._calls: list[list[tuple[int, int, int, float, bool]]] = []
         item = {id(mesh): k for k, levels in enumerate(items) for mesh in levels}
         self._owners = [item[id(mesh)] for mesh in flat], [mesh.number for mesh in flat]
         self._array: Any = None
@@ -176,12 +193,13 @@ class StaticBatch(GpuOwner):
         time_s: float = 0.0,
         detail: float = 1.0,
         shown: Bools | None = None,
+        bites: Array | None = None,
     ) -> None:
         """Choose the items that each view draws, and a level for each that all views share.
 
         Changes of level fade from picture to picture, which are at `time_s` of the world. `detail`
         is a factor on the pixels that an item covers; infinite draws every item at its finest
-        level. `shown` (k,) leaves items out.
+        level. `shown` (k,) leaves items out, `bites` are those of a packet.
         """
         if self._array is None:
             return
@@ -194,17 +212,19 @@ class StaticBatch(GpuOwner):
         seen &= level != OUT_OF_SIGHT
         state = self._state = next_levels(level, before, time_s)
         fades = under_way(state).any() or under_way(before).any()
+        bitten = self._touched(bites)
         same = np.array_equal(state.level, before.level) and np.array_equal(seen, self._seen)
-        if same and not fades:
+        if same and not fades and np.array_equal(bitten, self._bitten):
             return
-        self._seen = seen
+        self._seen, self._bitten = seen, bitten
         # Near items first, so that hidden pixels are not lit; sorted only when the choice changes.
         groups = []
         for row, view in zip(seen, views, strict=True):
             in_view = np.flatnonzero(row)
             away = self._centres[in_view] - view.eye
             near = np.sqrt(np.einsum("ij,ij->i", away, away)) - self._radii[in_view]
-            groups.append(fade_groups(in_view[np.argsort(near)], state))
+            faded = fade_groups(in_view[np.argsort(near)], state)
+            groups.append([part for group in faded for part in group.parted(bitten)])
         every = [group for those in groups for group in those]
         items, chosen = (np.concatenate([group[k] for group in every]) for k in (0, 1))
         if self._waiting:
@@ -213,11 +233,19 @@ class StaticBatch(GpuOwner):
         ends = np.append(0, np.cumsum(ranges[:, 1] - ranges[:, 0])).tolist()
         bounds = [0, *accumulate(len(group.items) for group in every)]
         calls = [
-            (first, end, ends[end] - ends[first], group.share)
+            (first, end, ends[end] - ends[first], group.share, group.bitten)
             for (first, end), group in zip(pairwise(bounds), every, strict=True)
         ]
         split = [0, *accumulate(map(len, groups))]
         self._calls = [calls[i:k] for i, k in pairwise(split)]
+
+    def _touched(self, bites: Array | None) -> Bools:
+        """Return True for each item (k,) on which one of these bites (b, 4) may lie."""
+        touched = np.zeros(len(self._centres), np.bool_)
+        for place in () if bites is None else bites[:, :3]:
+            beside = np.maximum(self._low - place, place - self._high)
+            touched |= (beside < BITE_CM).all(axis=1)
+        return touched
 
     def _make(self, items: Ints, level: Ints) -> None:
         """Upload the meshes of `items` at these levels that are drawn for the first time."""
@@ -258,7 +286,8 @@ class StaticBatch(GpuOwner):
     def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
         """Draw the items in view `number`, or their object ids; returns the number of triangles.
 
-        Items at rest take one call, those that fade two for each moment at which a fade began.
+        Items at rest take one call, those that fade two for each moment at which a fade began; each
+        of these is two where some items are bitten.
         """
         if self._array is None:
             return 0
@@ -266,11 +295,11 @@ class StaticBatch(GpuOwner):
             texture.use(TEXTURE_UNITS[name])
         uniforms = uniforms | self.uniforms
         total = 0
-        for first, end, triangles, share in self._calls[number]:
+        for first, end, triangles, share, bitten in self._calls[number]:
             if not triangles:
                 continue
-            fading = FADING if share else ()
-            array = self._programs.ready(self._array, as_ids, fading, **uniforms, u_fade=share)
+            wants = (FADING if share else ()) + (BITTEN if bitten and not as_ids else ())
+            array = self._programs.ready(self._array, as_ids, wants, **uniforms, u_fade=share)
             self._draw_many(array, self._chosen[first:end])
             total += triangles
         return total

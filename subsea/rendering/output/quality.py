@@ -23,6 +23,9 @@ class Quality:
     scale: float = 1.0
     # Samples per pixel of the canvas (MSAA); 0 none.
     samples: int = 0
+    # True: the canvas holds light of any brightness; False: as integers, up to where it is shown as
+    # white, which is cheaper without a GPU. Ignored with `bloom`, which needs what is brighter.
+    floats: bool = True
     # True: smooth edges in the finished picture, by their contrast.
     smooth: bool = True
     # Factor on the pixels by which levels of detail are chosen: larger is finer.
@@ -50,11 +53,22 @@ class Quality:
     def defines(self) -> tuple[str, ...]:
         """The defines of the program variants of a picture in daylight."""
         chosen = {
+            "INTEGERS": self.integers,
             "CLOSE_UP": self.close_up,
             "SUN_MAP": self.sun_map,
             "FISH_MAP": self.sun_map and self.fish_map,
         }
         return tuple(define for define, wanted in chosen.items() if wanted)
+
+    @property
+    def integers(self) -> bool:
+        """True if the canvas holds integers."""
+        return not (self.floats or self.bloom)
+
+    @property
+    def canvas(self) -> tuple[float, int, bool]:
+        """All that the canvas depends on."""
+        return self.scale, self.samples, self.integers
 
     @property
     def packing(self) -> PackOptions:
@@ -63,7 +77,9 @@ class Quality:
 
 
 PRESETS = {
-    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, close_up=False),
+    "low": Quality(
+        floats=False, smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, close_up=False
+    ),
     "medium": Quality(sun_map=1024),
     "high": Quality(
         samples=4, detail=1.6, snow=2400, shafts=16, sun_map=2048, fish_map=1024, bloom=True

@@ -111,8 +111,15 @@ def gain(grade: Grade) -> tuple[float, float, float]:
     return float(red), float(green), float(blue)
 
 
+MOST_LIGHT = 8.0  # that a canvas of integers holds: the filmic curve shows more of it as white
+
+
 class RenderTarget(GpuOwner):
-    """A half-float canvas with depth, optionally multisampled, and the pictures made of it."""
+    """A canvas with depth, optionally multisampled, and the pictures made of it.
+
+    It holds half floats or, if `integers`, 16 bits from no light to MOST_LIGHT, which a software
+    renderer blends and reads for less. `unit` is what the canvas holds for a light of 1.
+    """
 
     def __init__(
         self,
@@ -121,6 +128,7 @@ class RenderTarget(GpuOwner):
         samples: int,
         outputs: Sequence[tuple[int, int]],
         pages: int = 1,
+        integers: bool = False,
     ) -> None:
         """Make it, with a picture for each page of each output; moderngl.Error leaves nothing."""
         super().__init__()
@@ -130,13 +138,15 @@ class RenderTarget(GpuOwner):
         self.size = size
         self._context = context
         self._samples = samples
+        self.unit = 1.0 / MOST_LIGHT if integers else 1.0
+        kind = "nu2" if integers else "f2"
         try:
-            self._canvas = self.own(context.texture(size, 4, dtype="f2"))
+            self._canvas = self.own(context.texture(size, 4, dtype=kind))
             self._canvas.repeat_x = self._canvas.repeat_y = False
             self._flat = self.own(context.framebuffer([self._canvas]))
             colour = self._canvas
             if samples:
-                colour = self.own(context.renderbuffer(size, 4, samples=samples, dtype="f2"))
+                colour = self.own(context.renderbuffer(size, 4, samples=samples, dtype=kind))
             depth = self.own(context.depth_renderbuffer(size, samples=samples))
             self.framebuffer = self.own(context.framebuffer([colour], depth))
             for key in product(range(len(outputs)), range(pages)):
@@ -198,8 +208,8 @@ class ResolvePass(GpuOwner):
         self._masks: list[Any] = [
             None if p.mask is None else self._mask(p.mask) for p in self.patches
         ]
-        for number in range(len(self.patches)):
-            self._array(number, True)
+        for number, patch in enumerate(self.patches):
+            self._array(number, True, exact=self._exact(patch, patch.left))
 
     def draw(
         self,
@@ -208,22 +218,23 @@ class ResolvePass(GpuOwner):
         size: tuple[int, int],
         number: int,
         scale: float = 1.0,
-        linear: bool = True,
+        unit: float | None = 1.0,
     ) -> None:
         """Draw patch `number` into `into`, a framebuffer of `size` pixels.
 
-        The canvas is `scale` times the size of the rig's. It holds linear light, or final colours
-        if not `linear`.
+        The canvas is `scale` times the size of the rig's. It holds linear light, `unit` for a light
+        of 1, or final colours if that is None.
         """
-        context, patch = self._context, self.patches[number]
+        context, patch, linear = self._context, self.patches[number], unit is not None
         bloom = self._bloom if linear and self._may_bloom(patch) else None
         if bloom is not None:
             bloom.draw(canvas, scaled(patch.left, scale)).use(TEXTURE_UNITS["u_bloom"])
         into.use()
         context.viewport = patch.place
         context.disable(context.DEPTH_TEST | context.BLEND)
-        compiled, array = self._array(number, linear, bloom is not None)
         left, right = scaled(patch.left, scale), scaled(patch.right, scale)
+        exact = self._exact(patch, left, linear)
+        compiled, array = self._array(number, linear, bloom is not None, exact)
         set_uniforms(
             compiled,
             u_size=size,
@@ -237,9 +248,9 @@ class ResolvePass(GpuOwner):
             u_gain=gain(self.grade),
             u_contrast=self.grade.contrast,
             u_saturation=self.grade.saturation,
+            u_whole=1.0 / (unit or 1.0),
+            u_shift=(left[0] - patch.place[0], left[1] - patch.place[1]),
         )
-        smooth = self._smooth and linear
-        exact = patch.shape == Projection.FLAT and left[2:] == patch.place[2:] and not smooth
         canvas.filter = NEAREST if exact else LINEAR
         canvas.use(0)
         if self._masks[number] is not None:
@@ -251,7 +262,15 @@ class ResolvePass(GpuOwner):
         plain = patch.weave == Weave.PLAIN and patch.shape == Projection.FLAT
         return plain and patch.mask is None and len(self.patches) == 1
 
-    def _array(self, number: int, linear: bool, bloom: bool = False) -> tuple[Any, Any]:
+    def _exact(self, patch: DisplayPatch, left: Rect, linear: bool = True) -> bool:
+        """True if each pixel of a patch is one of its source `left` on the canvas."""
+        if patch.shape != Projection.FLAT or patch.warp is not None:
+            return False
+        return left[2:] == patch.place[2:] and not (self._smooth and linear)
+
+    def _array(
+        self, number: int, linear: bool, bloom: bool = False, exact: bool = False
+    ) -> tuple[Any, Any]:
         """The program of a patch, compiled when first needed, and its vertex array."""
         patch = self.patches[number]
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
@@ -259,10 +278,20 @@ class ResolvePass(GpuOwner):
         mesh = patch.warp is not None
         graded = linear and self.grade != UNGRADED
         key = tuple(
-            map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom))
+            map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom, exact))
         )
         if key not in self._programs:
-            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR", "GRADED", "BLOOM"
+            names = (
+                "WEAVE",
+                "SHAPE",
+                "MESH",
+                "SMOOTH",
+                "MASKED",
+                "LINEAR",
+                "GRADED",
+                "BLOOM",
+                "EXACT",
+            )
             constants = dict(zip(names, key, strict=True))
             self._programs[key] = self.own(program(self._context, "resolve", **constants))
             if not mesh:

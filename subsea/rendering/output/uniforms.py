@@ -182,8 +182,11 @@ def water_of(packet: Packet, water: Water) -> Water:
     return water if packet.hour is None else replace(water, hour=packet.hour)
 
 
-def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
-    """The uniforms of a view, in the scene's `water` at the hour of the packet."""
+def uniforms_of(packet: Packet, view: View, water: Water, unit: float = 1.0) -> dict[str, Any]:
+    """The uniforms of a view, in the scene's `water` at the hour of the packet.
+
+    `unit` is `RenderTarget.unit` of the canvas that the view is drawn on.
+    """
     water = water_of(packet, water)
     both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
     rows = np.array([view.view, view.projection, both, np.linalg.inv(both)], np.float32)
@@ -198,6 +201,7 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
             "u_size": (float(view.viewport[2]), float(view.viewport[3])),
             "u_without": float(view.without),
             "u_time": packet.time_s % TIDE_S,
+            "u_unit": unit,
         }
         | light_uniforms(water, view.eye)
         | _lamps(packet)

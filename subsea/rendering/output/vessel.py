@@ -58,17 +58,18 @@ class VesselMesh(GpuOwner):
         self.text.repeat_x = self.text.repeat_y = False
         self.panel = self._held.own(self._context.framebuffer([self.text]))
 
-    def draw(self, eye: Eye, light: Array) -> None:
+    def draw(self, eye: Eye, light: Array, unit: float = 1.0) -> None:
         """Draw it as an eye sees it, into the framebuffer and viewport in use.
 
-        `light` (3,) is the final colour of the water around.
+        `light` (3,) is the final colour of the water around. A linear picture holds `unit` for a
+        light of 1.
         """
         context = self._context
         clip = np.ascontiguousarray(clip_matrix(eye).T, "f4").tobytes()
         context.disable(context.DEPTH_TEST)
         context.enable(context.BLEND)
         context.blend_func = context.ONE, context.ONE_MINUS_SRC_ALPHA
-        set_uniforms(self._metal, u_clip=clip, u_light=tuple(map(float, light)))
+        set_uniforms(self._metal, u_clip=clip, u_light=tuple(map(float, light)), u_unit=unit)
         if self._plates is not None:
             self._plates.render()
         context.enable(context.CULL_FACE)
@@ -76,7 +77,7 @@ class VesselMesh(GpuOwner):
         context.disable(context.CULL_FACE)
         if self._quad is not None and self.text is not None:
             self.text.use(0)
-            set_uniforms(self._glass, u_clip=clip)
+            set_uniforms(self._glass, u_clip=clip, u_unit=unit)
             self._quad.render()
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
 
@@ -109,10 +110,11 @@ class TheatreVesselRenderer(GpuOwner):
         mesh = self._take(rig.vessel)
         return mesh and mesh.panel
 
-    def draw(self, rig: CameraRig, number: int, light: Array) -> None:
+    def draw(self, rig: CameraRig, number: int, light: Array, unit: float = 1.0) -> None:
         """Draw it in the view `number` of a rig, into the framebuffer and viewport in use.
 
-        `light` (3,) is the linear colour of the water around. Views beyond the rig's, such as
+        `light` (3,) is the linear colour of the water around, and `unit` is that of the canvas
+        (`RenderTarget`). Views beyond the rig's, such as
         retina pictures, have no vessel.
         """
         mesh = self._take(rig.vessel)
@@ -120,7 +122,7 @@ class TheatreVesselRenderer(GpuOwner):
             return
         if mesh.text is not None and number == 0:  # letters stay legible where they are small
             mesh.text.build_mipmaps()
-        mesh.draw(rig.eyes[number], np.sqrt(light))
+        mesh.draw(rig.eyes[number], np.sqrt(light), unit)
         self._context.enable(self._context.DEPTH_TEST)
 
     def _take(self, vessel: TheatreVessel | None) -> VesselMesh | None:

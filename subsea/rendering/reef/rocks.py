@@ -389,4 +389,8 @@ class RockRenderer(StaticBatch):
         balls = bounding_spheres(stone)
         super().__init__(programs, *layout, items, reach_cm, LEVELS_PX, balls)
         if stone:
+            # Neighbours overlap, more at coarse levels.
+            places = [np.concatenate([one.vertices[:, :3] for one in own]) for own in stone]
+            self._low = np.stack([own.min(axis=0) for own in places])
+            self._high = np.stack([own.max(axis=0) for own in places])
             self.textures["u_relief"] = self.own(repeating(context, roughness, 5))

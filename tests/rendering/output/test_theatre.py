@@ -39,7 +39,7 @@ def shown(context, rig, canvas):
         target.clear()
         for number, patch in enumerate(rig.patches):
             if patch.output == output:
-                resolve.draw(texture, target, size, number, linear=False)
+                resolve.draw(texture, target, size, number, unit=None)
         data = np.frombuffer(target.read(alignment=1), np.uint8)
         found.append(data.reshape(size[1], size[0], 3)[::-1] / 255.0)
         context.detect_framebuffer(0).use()  # the next framebuffer must not follow a freed one

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from subsea.frame.packet import BITE_CM
+from subsea.rendering.gl.id_buffer import KINDS
 from subsea.rendering.reef.rocks import SKY, overgrown
 from subsea.state import Reef
 
@@ -82,3 +84,28 @@ def test_far_ones_are_coarser(counted, stony, make_packet):
     near, far = (make_packet([], eye=(0, y, -215), size=size) for y in (0.0, -600.0))
     added = [counted(p, scene=stony)[1] - counted(p)[1] for p in (near, far)]
     assert added[1] < 0.7 * added[0]
+
+
+def test_a_bite_shows_on_the_stone_that_it_is_on_for_one_more_call(
+    make_renderer, stony, make_packet
+):
+    packet, renderer = make_packet([], eye=(0, 0, -215)), make_renderer(scene=stony)
+    renderer.draw(packet)  # the first picture draws the map of the sun, too
+    maps = renderer.id_maps(packet)
+    row = 80
+    column = int(np.flatnonzero(maps.kind[row] == KINDS.index("pillar")).mean())
+    view, depth = packet.views[0], maps.depth[row, column]
+    across = 2.0 * (column + 0.5) / 320.0 - 1.0, 1.0 - 2.0 * (row + 0.5) / 180.0
+    aside = depth * np.array(across) / np.diag(view.projection)[:2]
+    place = np.linalg.inv(view.view.astype(float)) @ np.array([*aside, -depth, 1.0])
+    found = []
+    for bites in ([], [(0.0, 80.0, -215.0, 1.0)], [(*place[:3], 1.0)]):
+        renderer.draw(replace(packet, bites=np.array(bites, np.float32).reshape(-1, 4)))
+        found.append((renderer.read_pixels().astype(int), renderer.draw_calls))
+    (bare, calls), (beside, as_many), (bitten, more) = found
+    np.testing.assert_array_equal(beside, bare)
+    assert (as_many, more) == (calls, calls + 1)
+    rows, columns = np.nonzero(np.abs(bitten - bare).max(axis=2) > 1)
+    assert len(rows) > 20
+    reach = 90.0 * view.projection[1, 1] * BITE_CM / depth
+    assert (np.hypot(rows - row, columns - column) < 1.5 * reach).all()

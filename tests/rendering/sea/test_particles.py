@@ -33,6 +33,7 @@ def specks(context):
             "u_eye": eye,
             **light_uniforms(WATER, eye),
             "u_time": 5.0,
+            "u_unit": 1.0,
             "u_projection": view.projection.T.astype("f4").tobytes(),
             "u_view_projection": (view.projection @ view.view).T.astype("f4").tobytes(),
             "u_size": (320.0, 180.0),
