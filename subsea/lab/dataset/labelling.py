@@ -148,6 +148,7 @@ class Drawing:
     quality: str = "medium"
     flow: bool = True
     lamps: bool | None = None  # at the camera; None: those of the submarine
+    advance: Callable[[World], None] = lambda world: world.step(1)  # to the next tick, for flow
 
 
 def labels(
@@ -202,7 +203,7 @@ def labels_of(
             one.look(0, pose(world, 0.0), 0.0)
         kept = world.snapshot()
         try:
-            world.step(1)
+            drawn.advance(world)
             for one, pose in zip(made, poses, strict=True):
                 one.look(1, pose(world, 1.0), 1.0)
         finally:

@@ -1,4 +1,4 @@
-"""CameraLens distortion and flat ports: closed forms, OpenCV, and a picture beside exact projection."""
+"""Lens distortion and flat ports: closed forms, OpenCV, exact projection beside remapping."""
 
 import cv2
 import numpy as np
