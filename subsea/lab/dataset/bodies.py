@@ -52,12 +52,9 @@ class Skins:
     def __init__(self, species: tuple[Species, ...]) -> None:
         """Paint the skins, or read them from the disk."""
         alphas: list[Bytes] = [side_by_side([sheet])[..., 3] for sheet in sheets(species)]
-        widest = ImageFilter.MaxFilter(2 * AROUND + 1)
+        self._greatest = [_greatest_around(one) for one in alphas]
         mean = ImageFilter.BoxBlur(AROUND)
-        self._greatest, self._mean = (
-            [np.asarray(Image.fromarray(one).filter(kind)) for one in alphas]
-            for kind in (widest, mean)
-        )
+        self._mean = [np.asarray(Image.fromarray(one).filter(mean)) for one in alphas]
 
     def opacity(self, kinds: Ints, drawn: DrawnVertices, mean: bool = False) -> Array:
         """Look up the opacity (n, m) of vertices of fishes of the species `kinds` (n,).
@@ -73,6 +70,18 @@ class Skins:
             column, row = np.moveaxis(np.clip(place, 0, limit - 1), -1, 0)
             out[kinds == kind] = sheet[row, column] / 255.0
         return out
+
+
+def _greatest_around(sheet: Bytes) -> Bytes:
+    """Take the greatest value within AROUND texels of each (h, w)."""
+    for axis in (0, 1):
+        turned = np.swapaxes(sheet, 0, axis)
+        wide = np.pad(turned, ((AROUND, AROUND), (0, 0)), "edge")
+        greatest = turned.copy()
+        for shift in range(2 * AROUND + 1):
+            np.maximum(greatest, wide[shift : shift + len(turned)], out=greatest)
+        sheet = np.swapaxes(greatest, 0, axis)
+    return sheet
 
 
 def levels_of(packet: Packet) -> Ints:

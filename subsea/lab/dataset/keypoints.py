@@ -82,10 +82,9 @@ def _tips(
     plan = species[kind].surface
     rest = rest_control_points(plan, 1.0, 0.0)
     root = _ridge(rest, 0.5, plan.tail.begin)
-    grid = [_Place(float(u), float(v)) for u in TIP_U for v in TIP_V]
-    grid = [root, *grid, *(_Place(1.0 - u, v) for u, v in grid)]
-    rows = [_on_flank(rest, plan, place, RIGHT) for place in grid]
-    vertices, own = (np.array(part) for part in zip(*rows, strict=True))
+    u, v = (one.ravel() for one in np.meshgrid(TIP_U, TIP_V, indexing="ij"))
+    u, v = np.concatenate([[root.u], u, 1.0 - u]), np.concatenate([[root.v], v, v])
+    vertices, own = _on_flank(rest, u, v, RIGHT)
     points = ShapePoints(vertices.astype(np.float32), np.array([own] * len(species)))
     instance = resting_instances(1)
     instance[:, KIND] = kind
@@ -97,7 +96,8 @@ def _tips(
     away[~seen] = -1.0
     half = len(TIP_U) * len(TIP_V)
     upper, lower = away[1 : 1 + half], away[1 + half :]
-    return [grid[1 + int(upper.argmax())], grid[1 + half + int(lower.argmax())]]
+    chosen = 1 + int(upper.argmax()), 1 + half + int(lower.argmax())
+    return [_Place(float(u[k]), float(v[k])) for k in chosen]
 
 
 class KeypointsIn(NamedTuple):
@@ -152,7 +152,7 @@ def _vertices(plan: SurfacePlan, tips: list[_Place]) -> tuple[Array, Array]:
                 place, which = at[name]
                 if which != "both":
                     flank = LEFT if which == "left" else RIGHT
-                row, one = _on_flank(rest, plan, place, flank)
+                row, one = _vertex(rest, place, flank)
             rows.append(row)
             own.append(one)
     return np.array(rows), np.array(own)
@@ -168,20 +168,25 @@ def _ridge(rest: Array, u: float, along: float) -> _Place:
     return _Place(u, float(v[np.abs(behind - along).argmin()]))
 
 
-def _on_flank(
-    rest: Array, plan: SurfacePlan, place: _Place | None, flank: slice
-) -> tuple[Array, Array]:
-    out = np.zeros(VERTEX_COLUMNS)
+def _vertex(rest: Array, place: _Place | None, flank: slice) -> tuple[Array, Array]:
+    """The vertex (16,) and data (4,) at a place of a flank; None: the fin is absent."""
     if place is None:
-        return out, np.array([0.0, 0.0, ABSENT, 0.0])
-    across, along = (basis_at(n, np.array([t])) for n, t in zip((U, V), place, strict=True))
-    out[0:3], out[3:6], out[6:9], out[9:12] = (
-        across.weight[0], along.weight[0], across.slope[0], along.slope[0],
-    )  # fmt: skip
-    out[12], out[13], out[14], out[15] = BODY, place.u, -1.0 if flank == LEFT else 1.0, V
-    base = flank.start + across.first[0] * V + along.first[0]
-    point = surface_points(rest, out[None], np.array([base]))[0]
-    return out, np.array([-point[0], point[1], base, place.v])
+        return np.zeros(VERTEX_COLUMNS), np.array([0.0, 0.0, ABSENT, 0.0])
+    vertices, own = _on_flank(rest, np.array([place.u]), np.array([place.v]), flank)
+    return vertices[0], own[0]
+
+
+def _on_flank(rest: Array, u: Array, v: Array, flank: slice) -> tuple[Array, Array]:
+    """The vertices (n, 16) and data (n, 4) at parameters u and v (n,) of a flank."""
+    across, along = basis_at(U, u), basis_at(V, v)
+    out = np.zeros((len(u), VERTEX_COLUMNS))
+    out[:, 0:3], out[:, 3:6] = across.weight, along.weight
+    out[:, 6:9], out[:, 9:12] = across.slope, along.slope
+    out[:, 12], out[:, 13], out[:, 14] = BODY, u, -1.0 if flank == LEFT else 1.0
+    out[:, 15] = V
+    base = flank.start + across.first * V + along.first
+    points = surface_points(rest, out, base)
+    return out, np.column_stack([-points[:, 0], points[:, 1], base, v])
 
 
 def _paddle(rest: Array, plan: PaddlePlan | None, part: int, flank: slice) -> tuple[Array, Array]:

@@ -1,6 +1,5 @@
 """`subsea.labels`: the truth about every pixel, fish and keypoint of a picture of any camera."""
 
-import weakref
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -250,16 +249,22 @@ class _Shapes(NamedTuple):
     keypoints: FishShape
 
 
-_shapes: "weakref.WeakKeyDictionary[World, _Shapes]" = weakref.WeakKeyDictionary()
+_shapes: list[tuple[Any, _Shapes]] = []  # of the last worlds, by what they depend on
+KEPT = 4
 
 
 def _shapes_of(world: World) -> _Shapes:
-    if world not in _shapes:
-        state = world.internal
-        lengths = tuple(float(x) for x in state.library.recorded_length)
-        bodies = Shapes(state.species, lengths)
-        _shapes[world] = _Shapes(bodies, keypoint_shape(state.species, lengths, bodies.skins))
-    return _shapes[world]
+    state = world.internal
+    lengths = tuple(float(x) for x in state.library.recorded_length)
+    key = state.species, lengths
+    for known, shapes in _shapes:
+        if known == key:
+            return shapes
+    bodies = Shapes(*key)
+    made = _Shapes(bodies, keypoint_shape(*key, bodies.skins))
+    _shapes.append((key, made))
+    del _shapes[:-KEPT]
+    return made
 
 
 def _rig(canvas: Canvas) -> CameraRig:
@@ -287,6 +292,7 @@ class _Making:
     def __init__(self, world: World, pose: CameraPose, optics: Optics, drawn: Drawing) -> None:
         """Draw the picture and the maps."""
         self._world, self._optics = world, optics
+        self._shapes = _shapes_of(world)
         self._tick, self._flow = world.tick, drawn.flow
         canvas = canvas_of(optics)
         rig = _rig(canvas)
@@ -306,10 +312,9 @@ class _Making:
         self._levels = levels_of(packet)
         self._kinds = packet.instances[:, KIND].astype(np.int64)
         self._who = packet.instances[:, NUMBER].astype(np.int64)
-        shapes = _shapes_of(world)
         points = state.library.control_points
         self._bodies = self._vertices(packet.instances)
-        self._keypoints = keypoints_at(shapes.keypoints, self._kinds, self._instances, points)
+        self._keypoints = keypoints_at(self._shapes.keypoints, self._kinds, self._instances, points)
         self._others: list[Any] = [None, None]  # bodies before and after
         self._turned: list[Array] = [self._matrix, self._matrix]
         self._moved: list[Array] = [packet.instances, packet.instances]
@@ -347,7 +352,7 @@ class _Making:
     def _vertices(self, instances: Array) -> dict[int, Vertices]:
         """Vertices of all bodies by level of detail."""
         state = self._world.internal
-        bodies, points = _shapes_of(self._world).bodies, state.library.control_points
+        bodies, points = self._shapes.bodies, state.library.control_points
         return {
             int(level): bodies.at(int(level), instances[self._levels == level], points)
             for level in np.unique(self._levels)
@@ -363,7 +368,7 @@ class _Making:
         seen = (maps.identity, maps.depth)
         for level, (places, opacity) in self._bodies.items():
             rows = np.flatnonzero(self._levels == level)
-            triangles = _shapes_of(self._world).bodies.triangles[level]
+            triangles = self._shapes.bodies.triangles[level]
             points = _carried(self._matrix, places)
             whole[rows] = whole_boxes(self._optics, points, opacity, triangles)
             near = ~np.isnan(whole[rows, 0])

@@ -12,8 +12,8 @@ from subsea.base.files import read_text
 from subsea.base.toml_edit import toml_value
 from subsea.lab.sweep import split_values
 
-# What is drawn for each picture, with the bounds of its values. Any other key is the scenario's,
-# and drawn for each scene.
+# Keys that are drawn for each picture, with the bounds of their values. Any other key is the
+# scenario's, and drawn for each scene.
 PICTURE_KEYS: dict[str, tuple[float, float]] = {
     "camera.field_deg": (10.0, 140.0),  # angle from left to right
     "camera.distance": (0.5, 100.0),  # of a random camera from a fish, body lengths
@@ -35,7 +35,7 @@ DEFAULTS: dict[str, Any] = {
 OWN = ("camera", "sensor", "jpeg")  # tables of PICTURE_KEYS, which no scenario has
 
 
-class Range(NamedTuple):
+class DrawnRange(NamedTuple):
     """The values of a key: between two numbers, or a list of choices."""
 
     key: str
@@ -58,7 +58,7 @@ class Range(NamedTuple):
         return self.choices or (self.at(0.0), int(self.high) if self.whole else self.high)
 
 
-def read_ranges(settings: Sequence[str], path: Path | None = None) -> dict[str, Range]:
+def read_ranges(settings: Sequence[str], path: Path | None = None) -> dict[str, DrawnRange]:
     """Read the ranges of ``--vary KEY=LOW:HIGH`` or ``KEY=A,B,C``, and those of a file before them.
 
     A file has a line ``"KEY" = "LOW:HIGH"`` or ``"KEY" = [A, B, C]`` for each key. Raises a
@@ -78,7 +78,7 @@ def read_ranges(settings: Sequence[str], path: Path | None = None) -> dict[str, 
     return found
 
 
-def _read_file(path: Path) -> dict[str, Range]:
+def _read_file(path: Path) -> dict[str, DrawnRange]:
     try:
         content = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as fault:
@@ -102,7 +102,7 @@ def _flat(table: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
     return pairs
 
 
-def _range(key: str, text: str, where: str) -> Range:
+def _range(key: str, text: str, where: str) -> DrawnRange:
     if key.partition(".")[0] in OWN and key not in PICTURE_KEYS:
         raise UserError(f"{unknown('key', key, list(PICTURE_KEYS))}", file=where)
     low, colon, high = text.partition(":")
@@ -113,9 +113,11 @@ def _range(key: str, text: str, where: str) -> Range:
             raise UserError("expected two numbers, such as 0.5:2", file=where) from None
         if not np.isfinite(ends).all() or ends[0] > ends[1]:
             raise UserError("expected LOW:HIGH with LOW below HIGH", file=where)
-        found = Range(key, *ends, whole=key in WHOLE)
+        found = DrawnRange(key, *ends, whole=key in WHOLE)
     else:
-        found = Range(key, choices=tuple(_value(part, key, where) for part in split_values(text)))
+        found = DrawnRange(
+            key, choices=tuple(_value(part, key, where) for part in split_values(text))
+        )
     if key in PICTURE_KEYS:
         least, most = PICTURE_KEYS[key]
         for value in found.ends:
@@ -134,7 +136,7 @@ def _value(text: str, key: str, where: str) -> Any:
         return text  # --set takes a bare word as a text, too
 
 
-def drawn(ranges: Mapping[str, Range], seed: Sequence[int]) -> dict[str, Any]:
+def drawn(ranges: Mapping[str, DrawnRange], seed: Sequence[int]) -> dict[str, Any]:
     """Draw a value of each range; the same seed gives the same values, also of other sets of keys.
 
     Each key has random numbers of its own, so a range more does not change the values of others.
@@ -146,21 +148,23 @@ def drawn(ranges: Mapping[str, Range], seed: Sequence[int]) -> dict[str, Any]:
     return out
 
 
-def picture_ranges(ranges: Mapping[str, Range]) -> dict[str, Range]:
+def picture_ranges(ranges: Mapping[str, DrawnRange]) -> dict[str, DrawnRange]:
     """Choose the ranges that are drawn for each picture, with the defaults of others."""
     found = {}
     for key, value in DEFAULTS.items():
         low_high = isinstance(value, tuple)
-        found[key] = Range(key, *value) if low_high else Range(key, choices=(value,))
+        found[key] = DrawnRange(key, *value) if low_high else DrawnRange(key, choices=(value,))
     return found | {key: one for key, one in ranges.items() if key in PICTURE_KEYS}
 
 
-def scene_ranges(ranges: Mapping[str, Range]) -> dict[str, Range]:
+def scene_ranges(ranges: Mapping[str, DrawnRange]) -> dict[str, DrawnRange]:
     """Choose the ranges of the scenario, which are drawn for each scene."""
     return {key: one for key, one in ranges.items() if key not in PICTURE_KEYS}
 
 
-def fitted(ranges: Mapping[str, Range], accepts: Callable[[str], bool]) -> dict[str, Range]:
+def fitted(
+    ranges: Mapping[str, DrawnRange], accepts: Callable[[str], bool]
+) -> dict[str, DrawnRange]:
     """Make ranges whole whose key takes only whole numbers; `accepts` tries a change."""
     found = dict(ranges)
     for key, one in scene_ranges(ranges).items():

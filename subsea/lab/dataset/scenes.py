@@ -1,7 +1,7 @@
 """The pictures of a set: their worlds, cameras and labels, each drawn from the number of a picture.
 
-A scene is one world with values of its own, of which several pictures are taken. The state of a
-scene at a picture depends on the scene's number alone, so any process makes the same picture.
+A scene is one world with values of its own. Several pictures are taken in it. The state of
+a scene at a picture depends on the scene's number alone, so any process makes the same picture.
 """
 
 import copy
@@ -21,7 +21,7 @@ from subsea.geometry.vector import vector
 from subsea.habitat.contact import clearance
 from subsea.lab.dataset.labelling import Drawing, Labels, inside, labels_of
 from subsea.lab.dataset.optics import CameraLens, FlatPort, Optics
-from subsea.lab.dataset.ranges import Range, change_of, drawn, picture_ranges, scene_ranges
+from subsea.lab.dataset.ranges import DrawnRange, change_of, drawn, picture_ranges, scene_ranges
 from subsea.lab.dataset.sensor import (
     depth_map,
     flow_map,
@@ -57,7 +57,7 @@ class DatasetPlan:
     fish: int | None = None
     size: tuple[int, int] = (640, 480)
     cameras: tuple[str, ...] = (RANDOM,)
-    ranges: dict[str, Range] = field(default_factory=dict)
+    ranges: dict[str, DrawnRange] = field(default_factory=dict)
     per_scene: int = 20  # pictures of one world
     every: int = 30  # ticks between two of them
     settle_s: tuple[float, float] = (4.0, 20.0)  # before the first one
@@ -92,7 +92,7 @@ class Shot(NamedTuple):
     about: dict[str, Any]  # the content of ``.json``
 
 
-def changes_at_ends(ranges: dict[str, Range]) -> Iterator[list[str]]:
+def changes_at_ends(ranges: dict[str, DrawnRange]) -> Iterator[list[str]]:
     """Changes of the scenario at the ends of each range, to check them."""
     for key, one in scene_ranges(ranges).items():
         for value in one.ends:
@@ -274,7 +274,7 @@ def near_a_fish(
 
 
 def check_cameras(plan: DatasetPlan, world: World) -> None:
-    """Raise a UserError for a fixed camera that is no place or not in free water."""
+    """Raise a UserError for a fixed camera that is not in free water."""
     for kind in plan.cameras:
         if kind in (RANDOM, SUBMARINE):
             continue

@@ -42,7 +42,7 @@ MOST_IMAGES = 10_000_000
 DIGITS = 7  # of the numbers of pictures in names
 
 
-class _Job(NamedTuple):
+class _ShardJob(NamedTuple):
     """A shard for a worker, which may be another computer."""
 
     plan: DatasetPlan
@@ -106,7 +106,7 @@ def make_shards(
     return [*paths.values()]
 
 
-def make_shard(job: _Job) -> bytes:
+def make_shard(job: _ShardJob) -> bytes:
     """Make a shard on any computer; returns its tar file."""
     file = io.BytesIO()
     with (
@@ -145,7 +145,7 @@ def read_shard(path: Path) -> Iterator[tuple[dict[str, Any], dict[str, bytes]]]:
             yield json.loads(files.pop("json")), files
 
 
-def _jobs(plan: DatasetPlan, images: int, shard: int) -> dict[str, _Job]:
+def _jobs(plan: DatasetPlan, images: int, shard: int) -> dict[str, _ShardJob]:
     """List all shards; checks the scenario at the ends of all ranges, and fixed cameras."""
     if not 1 <= images <= MOST_IMAGES:
         raise UserError(f"{images:,} images, expected 1 to {MOST_IMAGES:,}")
@@ -161,7 +161,7 @@ def _jobs(plan: DatasetPlan, images: int, shard: int) -> dict[str, _Job]:
     inputs = _inputs(plan, loaded)
     ends = [(first, min(first + shard, images)) for first in range(0, images, shard)]
     name = loaded.path.name
-    return {f"{k:05}": _Job(plan, name, content, inputs, *end) for k, end in enumerate(ends)}
+    return {f"{k:05}": _ShardJob(plan, name, content, inputs, *end) for k, end in enumerate(ends)}
 
 
 def _inputs(plan: DatasetPlan, loaded: LoadedScenario) -> str:
@@ -172,7 +172,7 @@ def _inputs(plan: DatasetPlan, loaded: LoadedScenario) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _is_whole(path: Path, job: _Job) -> bool:
+def _is_whole(path: Path, job: _ShardJob) -> bool:
     """True if a shard has the bytes of its checksum, and is of this set."""
     about = _about(path)
     if about is None:
@@ -206,7 +206,7 @@ def _check_others(out: Path, inputs: str, force: bool) -> None:
             )
 
 
-def _save(path: Path, job: _Job, data: bytes) -> None:
+def _save(path: Path, job: _ShardJob, data: bytes) -> None:
     """Write a finished shard, and its checksum after it."""
     with replacing(path) as temporary:
         temporary.write_bytes(data)
