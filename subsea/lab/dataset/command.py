@@ -83,7 +83,7 @@ def add(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--every", type=number_reader(float, 0.033, 3600), metavar="S",
-        help="seconds between pictures of a scene (default 1, in a sequence one tick)",
+        help="seconds between pictures of a scene (default 0.5, in a sequence one tick)",
     )  # fmt: skip
     parser.add_argument(
         "--val", type=number_reader(float, 0, 1), default=0.1, metavar="SHARE",
@@ -123,7 +123,7 @@ def run(options: Namespace) -> int:
         raise UserError("--jobs and --cluster: give one of the two")
     if options.cluster is None and options.cluster_tls is not None:
         raise UserError("--cluster-tls needs --cluster")
-    every_s = options.every or (TICK_S if options.sequence else 1.0)
+    every_s = options.every or (TICK_S if options.sequence else 0.5)
     plan = DatasetPlan(
         scenario=options.scenario,
         seed=options.seed,

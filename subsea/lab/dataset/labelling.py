@@ -387,25 +387,36 @@ class _Making:
     def _flows(self, moved: Array) -> list[Array]:
         """Optical flow (h, w, 2) to the tick before and the one after."""
         optics, maps = self._optics, self._maps
-        grid = pixel_grid(optics.size)
-        points = optics.points(maps.depth)
-        far = ~np.isfinite(maps.depth)
-        fish = maps.kind == FISH
+        row, column = np.nonzero(maps.kind == FISH)
+        pixels = np.stack([column, row], axis=-1).astype(np.float64)
+        begin, way = optics.rays(pixels)
+        depth = maps.depth[row, column].astype(np.float64)
+        skin = begin + (depth - begin[:, 2])[:, None] * way
         back = np.linalg.inv(self._matrix)
-        world = np.where(
-            far[..., None], points @ back[:3, :3].T, points @ back[:3, :3].T + back[:3, 3]
-        )
+        world = skin @ back[:3, :3].T + back[:3, 3]
         unknown = np.isin(maps.kind, (SURFACE, SEAWEED, BUBBLES, HOOK)) | self._sways()
         flows = []
         for which, turned in enumerate(self._turned):
-            ends = world.copy()
-            ends[fish] = moved[fish][:, 3 * which : 3 * which + 3]
-            rest = fish & np.isnan(ends[..., 0])
-            ends[rest] = self._as_rigid(world[rest], maps.identity[rest], self._moved[which])
-            seen = ends @ turned[:3, :3].T + np.where(far[..., None], 0.0, turned[:3, 3])
-            flow = optics.project(seen) - grid
-            flows.append(np.where(unknown[..., None], np.nan, flow).astype(np.float32))
+            flow = self._still_flow(turned)
+            flow[unknown] = np.nan
+            ends = moved[row, column, 3 * which : 3 * which + 3]
+            rest = np.isnan(ends[:, 0])
+            identity = maps.identity[row, column][rest]
+            ends[rest] = self._as_rigid(world[rest], identity, self._moved[which])
+            flow[row, column] = optics.project(_carried(turned, ends)) - pixels
+            flows.append(flow)
         return flows
+
+    def _still_flow(self, turned: Array) -> Array:
+        """Flow (h, w, 2) of what stands still, if the camera has another matrix."""
+        optics, maps = self._optics, self._maps
+        if np.array_equal(turned, self._matrix):
+            return np.zeros((*maps.depth.shape, 2), np.float32)
+        change = turned @ np.linalg.inv(self._matrix)
+        far = ~np.isfinite(maps.depth)[..., None]
+        points = optics.points(maps.depth)
+        seen = points @ change[:3, :3].T + np.where(far, 0.0, change[:3, 3])
+        return np.asarray(optics.project(seen) - pixel_grid(optics.size), np.float32)
 
     def _sways(self) -> Bools:
         """Pixels (h, w) of corals that bend with the swell."""
@@ -520,13 +531,14 @@ def _through(optics: Optics, canvas: Canvas, picture: NDArray[np.uint8], seen: I
     """See a picture and its maps, drawn on a canvas, through a lens and a port."""
     assert seen.slope is not None
     identity, depth = values_of(seen), seen.depth
-    grid = pixel_grid(canvas.size) - (np.array(canvas.size) - 1.0) / 2
-    across, down = np.moveaxis(seen.slope.astype(np.float64), -1, 0)
-    steep = 1.0 / depth - grid[..., 0] * across - grid[..., 1] * down
-    normal = -np.stack([canvas.focal_px * across, canvas.focal_px * down, steep], axis=-1)
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-30)
-    normal[~np.isfinite(depth)] = np.nan
-    normal = normal.astype(np.float32)
+    # On the plane n·p = c, 1 / z is n·(x, y, 1) / c, with x and y from the middle of the picture.
+    across, down = seen.slope[..., 0], seen.slope[..., 1]
+    x, y = (np.arange(side, dtype=np.float32) - 0.5 * (side - 1) for side in canvas.size)
+    focal = np.float32(-canvas.focal_px)
+    steep = x * across + y[:, None] * down - np.float32(1.0) / depth
+    normal = np.stack([focal * across, focal * down, steep], axis=-1)
+    length = np.sqrt((normal * normal).sum(axis=-1, keepdims=True))
+    normal /= np.where(np.isfinite(depth)[..., None], length, np.nan)
     if optics.straight:
         return _Maps(picture, seen.kind, identity, depth, normal)
     place = sources(optics, canvas, depth)

@@ -26,15 +26,15 @@ from subsea.lab.dataset.sensor import (
     depth_map,
     flow_map,
     jpeg,
+    masks_of,
     normal_map,
-    packed_runs,
     png,
-    run_lengths,
     sensed,
 )
 from subsea.library import World, load
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.rig import CameraPose, pose_from_angles
-from subsea.world.step import step
+from subsea.world.step import Order, step
 from subsea.world.world import TICK_S
 
 MAPS = ("identity", "depth", "normal", "flow")
@@ -59,7 +59,7 @@ class DatasetPlan:
     cameras: tuple[str, ...] = (RANDOM,)
     ranges: dict[str, DrawnRange] = field(default_factory=dict)
     per_scene: int = 20  # pictures of one world
-    every: int = 30  # ticks between two of them
+    every: int = 15  # ticks between two of them
     settle_s: tuple[float, float] = (4.0, 20.0)  # before the first one
     sequence: bool = False  # one camera for all pictures of a scene
     maps: tuple[str, ...] = ()
@@ -137,7 +137,7 @@ class _Stage:
         tour = copy.deepcopy(self.tour)
 
         def advance(world: World) -> None:
-            step(world.internal, tour.steer(world.internal))
+            step(world.internal, self._order(tour))
 
         labels = labels_of(
             world, [camera], optics,
@@ -156,7 +156,11 @@ class _Stage:
 
     def _go_to(self, tick: int) -> None:
         while self.world.tick < tick:
-            step(self.world.internal, self.tour.steer(self.world.internal))
+            step(self.world.internal, self._order(self.tour))
+
+    def _order(self, tour: Tour) -> Order:
+        """Steer the submarine on a tour, if it takes pictures."""
+        return tour.steer(self.world.internal) if SUBMARINE in self.plan.cameras else NEUTRAL
 
     def _camera(self, number: int, settings: dict[str, Any]) -> Any:
         random = self.plan.random(CAMERA, number)
@@ -171,6 +175,7 @@ class _Stage:
     def _about(self, number: int, labels: Labels, settings: dict[str, Any]) -> dict[str, Any]:
         plan, fishes = self.plan, labels.fishes
         port = labels.optics.port
+        masks = masks_of(labels.identity, VALUES["fish"])
         return {
             "image": number,
             "width": plan.size[0],
@@ -204,7 +209,7 @@ class _Stage:
                             fishes.hidden_by[i], strict=True,
                         )
                     ],
-                    "rle": _rle(labels, int(fishes.number[i])) if fishes.pixels[i] else None,
+                    "rle": masks.get(VALUES["fish"] + int(fishes.number[i])),
                 }
                 for i in range(len(fishes.number))
             ],
@@ -214,10 +219,6 @@ class _Stage:
 def _numbers(values: Any) -> list[float | None]:
     """Round numbers for a file; None for NaN."""
     return [None if np.isnan(one) else round(float(one), 3) for one in values]
-
-
-def _rle(labels: Labels, number: int) -> str:
-    return packed_runs(run_lengths(labels.identity == VALUES["fish"] + number))
 
 
 def _maps(labels: Labels, wanted: tuple[str, ...]) -> dict[str, bytes]:

@@ -69,18 +69,40 @@ def normal_map(normal: Array) -> Bytes:
 
 def flow_map(flow: Array) -> NDArray[np.uint16]:
     """Write flow (h, w, 2) as KITTI does: 64 steps a pixel about 2^15; then 1 where it is known."""
-    known = ~np.isnan(flow).any(axis=-1, keepdims=True)
-    steps = np.where(known, np.rint(FLOW_STEPS * flow) + FLOW_ZERO, 0.0)
-    return np.concatenate([np.clip(steps, 0, 2**16 - 1), known], axis=-1).astype(np.uint16)
+    known = ~np.isnan(flow[..., 0])
+    steps = np.rint(np.float32(FLOW_STEPS) * flow) + np.float32(FLOW_ZERO)
+    out = np.zeros((*known.shape, 3), np.uint16)
+    out[known, :2] = np.clip(steps[known], 0, 2**16 - 1)
+    out[..., 2] = known
+    return out
 
 
-def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
-    """Run lengths of a mask (h, w) down its columns, beginning with what is not in it (COCO)."""
-    flat = np.concatenate([[False], mask.T.ravel(), [False]])
-    ends = np.flatnonzero(flat[1:] != flat[:-1])
-    ends = np.concatenate([[0], ends, [mask.size]] if ends.size else [[0], [mask.size]])
-    runs = np.diff(ends).tolist()
-    return runs if runs[-1] or len(runs) == 1 else runs[:-1]
+def run_lengths(places: Ints, pixels: int) -> list[int]:
+    """Run lengths of a mask with these `places` among `pixels`, beginning with what is not in it.
+
+    COCO counts down the columns, so places are ascending numbers in that order.
+    """
+    if not len(places):
+        return [pixels]
+    breaks = np.flatnonzero(np.diff(places) != 1)
+    begins = places[np.concatenate([[0], breaks + 1])]
+    ends = places[np.concatenate([breaks, [len(places) - 1]])] + 1
+    edges = np.concatenate([[0], np.stack([begins, ends], axis=-1).ravel(), [pixels]])
+    runs = np.diff(edges).tolist()
+    return runs if runs[-1] else runs[:-1]
+
+
+def masks_of(identity: Ints, least: int) -> dict[int, str]:
+    """Pack the masks of all identities (h, w) of at least `least`, by identity."""
+    down = identity.T.ravel()
+    places = np.flatnonzero(down >= least)
+    order = np.argsort(down[places], kind="stable")
+    values, begins = np.unique(down[places][order], return_index=True)
+    groups = np.split(places[order], begins[1:])
+    return {
+        int(value): packed_runs(run_lengths(group, down.size))
+        for value, group in zip(values, groups, strict=False)
+    }
 
 
 def packed_runs(runs: list[int] | Ints) -> str:

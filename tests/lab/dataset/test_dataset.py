@@ -132,13 +132,16 @@ def test_coco_loads_with_its_masks_and_keypoints(made):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_run_lengths_are_those_of_pycocotools(seed):
-    from subsea.lab.dataset.sensor import packed_runs, run_lengths
+    from subsea.lab.dataset.sensor import masks_of, packed_runs, run_lengths
 
     random = np.random.default_rng(seed)
     mask = random.random((random.integers(1, 40), random.integers(1, 300))) < random.random()
     mask[random.random(mask.shape) < 0.5] = seed % 2
     theirs = coco_masks.encode(np.asfortranarray(mask.astype(np.uint8)))["counts"].decode()
-    assert packed_runs(run_lengths(mask)) == theirs
+    places = np.flatnonzero(mask.T.ravel())
+    assert packed_runs(run_lengths(places, mask.size)) == theirs
+    if mask.any():
+        assert masks_of(np.where(mask, 10007, 3), 10000) == {10007: theirs}
 
 
 def test_yolo_has_a_line_for_each_fish_of_coco(made):
