@@ -90,8 +90,8 @@ def add(commands: Any) -> None:
         help="share of the scenes for validation (default 0.1)",
     )  # fmt: skip
     parser.add_argument(
-        "--shard", type=number_reader(int, 1, 100_000), default=50, metavar="N",
-        help="pictures of a shard (default 50)",
+        "--shard", type=number_reader(int, 1, 100_000), default=20, metavar="N",
+        help="pictures of a shard (default 20)",
     )  # fmt: skip
     shared.add(parser, "fish")
     parser.add_argument("--size", **shared.OPTIONS["size"] | {"help": "pixels (default 640x480)"})

@@ -1,6 +1,7 @@
 """Write the pictures of shards in the formats that detectors, pose heads and trackers read."""
 
 import csv
+import filecmp
 import io
 import json
 import os
@@ -29,7 +30,7 @@ def write_images(out: Path, shards: Iterable[Path]) -> None:
     for shard in shards:
         for about, files in read_shard(shard):
             path = image_path(out, about)
-            if not (path.is_file() and path.stat().st_size == len(files["jpg"])):
+            if not (path.is_file() and path.read_bytes() == files["jpg"]):
                 with replacing(path) as temporary:
                     temporary.write_bytes(files["jpg"])
 
@@ -222,6 +223,15 @@ def write_webdataset(
     """Write nothing: the shards are in this format."""
 
 
+FOLDERS = "images", "annotations", "labels", "pose", "mot", "deeplabcut"  # that formats write
+
+
+def remove_formats(out: Path) -> None:
+    """Remove what formats wrote to the folder of a set, which another set replaces."""
+    for name in FOLDERS:
+        shutil.rmtree(out / name, ignore_errors=True)
+
+
 FORMATS: dict[str, Write] = {
     "coco": write_coco,
     "yolo": write_yolo,
@@ -247,7 +257,7 @@ def _write(path: Path, text: str) -> None:
 def _link(source: Path, path: Path) -> None:
     """Put a file at another place, too: by a link if the disk has these, else as a copy."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.exists() and path.stat().st_size == source.stat().st_size:
+    if path.is_file() and filecmp.cmp(source, path, shallow=False):
         return
     with replacing(path) as temporary:
         temporary.unlink()

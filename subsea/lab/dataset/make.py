@@ -8,10 +8,10 @@ from subsea.base.errors import UserError, unknown
 from subsea.base.progress import say
 from subsea.jobs.workers import Check, Pool, serial
 from subsea.lab.dataset.card import write_card
-from subsea.lab.dataset.formats import FORMATS, write_images
+from subsea.lab.dataset.formats import FORMATS, remove_formats, write_images
 from subsea.lab.dataset.ranges import fitted
 from subsea.lab.dataset.scenes import MAPS, DatasetPlan
-from subsea.lab.dataset.shards import make_shards
+from subsea.lab.dataset.shards import SHARDS, make_shards
 from subsea.scenario.load import load_scenario
 from subsea.world.build import create_world
 
@@ -24,7 +24,7 @@ def make_dataset(
     out: Path,
     *,
     formats: Sequence[str] = ("coco",),
-    shard: int = 50,
+    shard: int = 20,
     pool: Pool[str] = serial,
     force: bool = False,
     check: Check = lambda: None,
@@ -51,6 +51,8 @@ def make_dataset(
         return True
 
     plan = replace(plan, ranges=fitted(plan.ranges, accepts))
+    if force and (out / SHARDS).is_dir():
+        remove_formats(out)
     paths = make_shards(plan, images, out, shard=shard, pool=pool, force=force, check=check)
     species = tuple(one.name for one in create_world(loaded.scenario, plan.seed, plan.fish).species)
     say(f"writing {', '.join(formats)}")

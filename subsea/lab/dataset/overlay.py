@@ -71,4 +71,7 @@ def _keypoints(
         if state < HIDDEN:
             continue
         dot = (x - DOT_PX, y - DOT_PX, x + DOT_PX, y + DOT_PX)
-        pen.ellipse(dot, fill=colour if state == VISIBLE else None, outline=(255, 255, 255))
+        if state == VISIBLE:
+            pen.ellipse(dot, fill=(255, 255, 255), outline=colour)
+        else:
+            pen.ellipse(dot, outline=colour)

@@ -91,8 +91,7 @@ def make_shards(
                     crashed.append(name)
                     continue
                 _save(paths[name], jobs[name], data)
-                for _ in range(jobs[name].first, jobs[name].stop):
-                    count()
+                count(jobs[name].stop - jobs[name].first)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"{out}: finished shards kept; run the same command to continue"
