@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image, ImageFilter
 
-from subsea.base.arrays import Array, Bools, Bytes, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.fish.color_sheet import sheets
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import Species
@@ -51,37 +51,20 @@ class Skins:
 
     def __init__(self, species: tuple[Species, ...]) -> None:
         """Paint the skins, or read them from the disk."""
-        alphas: list[Bytes] = [side_by_side([sheet])[..., 3] for sheet in sheets(species)]
-        self._greatest = [_greatest_around(one) for one in alphas]
         mean = ImageFilter.BoxBlur(AROUND)
+        alphas = [side_by_side([sheet])[..., 3] for sheet in sheets(species)]
         self._mean = [np.asarray(Image.fromarray(one).filter(mean)) for one in alphas]
 
-    def opacity(self, kinds: Ints, drawn: DrawnVertices, mean: bool = False) -> Array:
-        """Look up the opacity (n, m) of vertices of fishes of the species `kinds` (n,).
-
-        The greatest opacity around each, as spines of a fin pass between vertices; or the `mean`,
-        as distant fishes have it.
-        """
+    def opacity(self, kinds: Ints, drawn: DrawnVertices) -> Array:
+        """Look up the mean opacity (n, m) around vertices of fishes of the species `kinds` (n,)."""
         out = np.empty(drawn.skin.shape[:2])
         for kind in np.unique(kinds):
-            sheet = (self._mean if mean else self._greatest)[kind]
+            sheet = self._mean[kind]
             limit = np.array(sheet.shape[::-1])
             place = (drawn.skin[kinds == kind] * limit).astype(np.int64)
             column, row = np.moveaxis(np.clip(place, 0, limit - 1), -1, 0)
             out[kinds == kind] = sheet[row, column] / 255.0
         return out
-
-
-def _greatest_around(sheet: Bytes) -> Bytes:
-    """Take the greatest value within AROUND texels of each (h, w)."""
-    for axis in (0, 1):
-        turned = np.swapaxes(sheet, 0, axis)
-        wide = np.pad(turned, ((AROUND, AROUND), (0, 0)), "edge")
-        greatest = turned.copy()
-        for shift in range(2 * AROUND + 1):
-            np.maximum(greatest, wide[shift : shift + len(turned)], out=greatest)
-        sheet = np.swapaxes(greatest, 0, axis)
-    return sheet
 
 
 def levels_of(packet: Packet) -> Ints:

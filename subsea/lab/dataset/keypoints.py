@@ -91,7 +91,7 @@ def _tips(
     drawn = FishShape(species, length_cm, points).at(
         instance, length_cm[kind] * rest[None].astype(np.float32)
     )
-    seen = skins.opacity(np.array([kind]), drawn, True)[0] >= OPAQUE
+    seen = skins.opacity(np.array([kind]), drawn)[0] >= OPAQUE
     away = np.linalg.norm(own[:, :2] - own[0, :2], axis=1)
     away[~seen] = -1.0
     half = len(TIP_U) * len(TIP_V)

@@ -456,7 +456,7 @@ class _Making:
         rows = rows[np.argsort(distance[rows], kind="stable")]
         box = _boxes(number, fish, total)[self._who[rows]]
         states = self._states(rows)
-        # A spine between two vertices may reach a little farther.
+        # A spine of a fin may reach a little farther than its skin.
         edges = np.concatenate(
             [
                 np.fmin(whole[rows, :2], box[:, :2] - 0.5),
