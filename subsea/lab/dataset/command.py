@@ -30,7 +30,7 @@ def add(commands: Any) -> None:
         "docs/how-to/dataset.md describes the formats. Nothing was tested on real images.",
         [
             "subsea dataset schooling --out fishes --images 1000 --format coco,yolo",
-            "subsea dataset peaceful --out many --images 500 --vary water.hour=7:17 "
+            "subsea dataset schooling --out many --images 500 --vary water.hour=7:17 "
             "--vary water.type=IB,II,III --vary sensor.noise=0:8",
             "subsea dataset schooling --out tracks --images 600 --format mot",
         ],

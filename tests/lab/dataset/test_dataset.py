@@ -12,13 +12,16 @@ import tarfile
 import time
 
 import numpy as np
+import pandas
 import pytest
+from distributed import LocalCluster
 from PIL import Image
 from pycocotools import mask as coco_masks
 from pycocotools.coco import COCO
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
+from subsea.jobs.dask_cluster import dask_pool
 from subsea.lab.dataset import shards as module
 from subsea.lab.dataset.keypoints import NAMES
 from subsea.lab.dataset.make import make_dataset
@@ -183,6 +186,26 @@ def test_deeplabcut_has_visible_keypoints_by_animal(made):
                         assert (float(row[k]), float(row[k + 1]), 2) == (x, y, state)
                         seen += 1
     assert seen > 5
+
+
+def test_pandas_reads_the_table_as_deeplabcut_does(made):
+    path = made / "deeplabcut" / "labeled-data" / "scene_00000" / "CollectedData_subsea.csv"
+    table = pandas.read_csv(path, index_col=[0, 1, 2], header=[0, 1, 2, 3])
+    assert list(table.columns.names) == ["scorer", "individuals", "bodyparts", "coords"]
+    assert table.dtypes.eq(float).all()
+    assert set(table.columns.get_level_values("bodyparts")) == set(NAMES)
+    assert table.notna().sum().sum() > 0
+
+
+def test_a_dask_cluster_makes_equal_bytes(made, tmp_path):
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
+        host="127.0.0.1", dashboard_address="127.0.0.1:0",
+    ) as cluster:  # fmt: skip
+        make_shards(PLAN, 6, tmp_path, shard=3, pool=dask_pool(cluster.scheduler_address))
+    for name in ("00000.tar", "00001.tar"):
+        ours, theirs = (folder / "shards" / name for folder in (made, tmp_path))
+        assert ours.read_bytes() == theirs.read_bytes()
 
 
 def test_shards_have_stable_heads(made):

@@ -317,6 +317,28 @@ def test_a_camera_in_stone_or_sand_is_an_error_of_one_line(world):
         subsea.labels(world, under)
 
 
+def test_stone_hides_fishes_and_says_so(world):
+    """From behind a pillar, in line with each fish in turn."""
+    x, y, radius, top = world.sea.pillars[0]
+    hidden = set()
+    for fish in range(0, 36, 4):
+        place = world.fishes.position[fish].astype(float)
+        away = np.array([x, y]) - place[:2]
+        eye = np.array([x, y]) + (radius + 40.0) * away / np.linalg.norm(away)
+        labels = subsea.labels(
+            world, subsea.camera((*eye, min(place[2], top - 20.0)), place), size=SIZE, flow=False
+        )
+        fishes = labels.fishes
+        for i in np.flatnonzero(fishes.pixels == 0):
+            inside = fishes.state[i] >= HIDDEN
+            assert (fishes.state[i][inside] == HIDDEN).all()
+            assert np.isnan(fishes.box[i]).all()
+            assert fishes.share[i] == 0.0
+            by = fishes.hidden_by[i][inside]
+            hidden |= {labels.name(int(one)).split()[0] for one in by[by >= 0]}
+    assert "pillar" in hidden
+
+
 def test_other_bad_cameras_are_errors(world):
     with pytest.raises(ValueError, match="fish 99"):
         subsea.labels(world, 99)
