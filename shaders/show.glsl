@@ -1,5 +1,5 @@
 // Output of a pixel: its light on the canvas, or with OBJECT_IDS the object id of what hides at least half of what lies
-// behind it, and the distance along the view.
+// behind it, the distance along the view, and the slopes of its inverse.
 #ifdef OBJECT_IDS
 #ifdef OWN_IDS
 flat in float v_object_id;  // per vertex
@@ -8,11 +8,12 @@ uniform float u_object_id;
 #define v_object_id u_object_id
 #endif
 
-out vec2 f_object_id;  // object id; cm
+out vec4 f_object_id;  // object id; cm; change of 1 / cm to the right and up
 
 void show(vec4 colour) {
+    vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w));
     if (colour.a < 0.5) discard;
-    f_object_id = vec2(v_object_id, 1.0 / gl_FragCoord.w);
+    f_object_id = vec4(v_object_id, 1.0 / gl_FragCoord.w, slope);
 }
 #else
 #ifdef INTEGERS

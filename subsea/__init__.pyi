@@ -1,6 +1,10 @@
 from subsea.base.errors import UserError as UserError
 from subsea.behavior.teleop import TeleopCommand as TeleopCommand
 from subsea.behavior.teleop import TeleopCommands as TeleopCommands
+from subsea.lab.dataset.labelling import Labels as Labels
+from subsea.lab.dataset.labelling import labels as labels
+from subsea.lab.dataset.optics import CameraLens as CameraLens
+from subsea.lab.dataset.optics import FlatPort as FlatPort
 from subsea.lab.designs import latin_hypercube as latin_hypercube
 from subsea.lab.designs import sobol as sobol
 from subsea.lab.environments import predator_prey as predator_prey

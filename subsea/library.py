@@ -39,7 +39,7 @@ from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.follow import follow_fish
 from subsea.view.retina import FIELD_DEG, OPENCV, Gaze, fish_eyes, retina_rig, retinal_views
-from subsea.view.rig import CameraPose, CameraRig, views
+from subsea.view.rig import CameraPose, CameraRig, pose_from_angles, views
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import Order, step
@@ -347,16 +347,32 @@ class Retina(NamedTuple):
     matrices: Array  # (2, 4, 4) from the world, cm, to the axes of each eye: right, down, ahead
 
 
-def camera(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> CameraPose:
+def camera(
+    eye: Any,
+    target: Any = None,
+    up: Any = (0.0, 0.0, 1.0),
+    *,
+    angles: tuple[float, float] | None = None,
+) -> CameraPose:
     """A camera at `eye` (3,) that looks at `target` (3,), both in cm.
 
+    Or one with `angles` in degrees instead of a target: from +x to the left, and upward.
+
     Raises:
-        ValueError: Points other than three finite numbers, or a view along `up`.
+        ValueError: Points other than three finite numbers, a view along `up`, or not one of target
+            and angles.
 
     Examples:
         >>> subsea.camera((0, 0, -200), (300, 0, -200)).forward
         array([1., 0., 0.])
+        >>> subsea.camera((0, 0, -200), angles=(90, 0)).forward.round(6)
+        array([0., 1., 0.])
     """
+    if (target is None) == (angles is None):
+        raise ValueError("camera: expected either a target or angles")
+    if angles is not None:
+        given = np.radians(_vector("angles", (*angles, 0.0)))
+        return pose_from_angles(_vector("eye", eye), float(given[0]), float(given[1]))
     place, to, above = (_vector(*named) for named in (("eye", eye), ("target", target), ("up", up)))
     side = np.cross(to - place, above)
     if not side.any():
@@ -400,8 +416,8 @@ def render(
 
     The first picture of a world takes some seconds, as its scenery is uploaded.
     """
-    rig = display_rig("mono", _checked(size))
-    with _drawing(world, rig, quality) as renderer:
+    rig = display_rig("mono", checked_size(size))
+    with drawing(world, rig, quality) as renderer:
         state = world.internal
         pose = cockpit(state.state.submarine, 1.0) if camera is None else camera
         renderer.draw(pack(state, views(rig, pose), 1.0, options=renderer.quality.packing))
@@ -432,8 +448,8 @@ def retina(
     check_fish(world, fish)
     state = world.internal
     by = fish_eyes(state, fish)
-    rig = retina_rig(_checked(size), by.half_cm, Gaze(*gaze), FIELD_DEG)
-    with _drawing(world, rig, quality) as renderer:
+    rig = retina_rig(checked_size(size), by.half_cm, Gaze(*gaze), FIELD_DEG)
+    with drawing(world, rig, quality) as renderer:
         seeing = retinal_views(state, by, rig, 1.0)
         packet = pack(state, seeing, 1.0, options=renderer.quality.packing)
         renderer.draw(packet)
@@ -451,8 +467,8 @@ def _context() -> Any:
 
 
 @contextmanager
-def _drawing(world: World, rig: CameraRig, quality: str) -> Iterator[Renderer]:
-    """The renderer of a world, with its context current in this thread."""
+def drawing(world: World, rig: CameraRig, quality: str) -> Iterator[Renderer]:
+    """Yield the renderer of a world, with its context current in this thread."""
     if quality not in PRESETS:
         raise unknown("quality", quality, list(PRESETS))
     with _lock, _context():
@@ -473,7 +489,7 @@ def _release(renderer: Renderer) -> None:
         renderer.release()
 
 
-def _checked(size: tuple[int, int]) -> tuple[int, int]:
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     """A size in pixels; a ValueError for anything else."""
     given = np.asarray(size)
     numbers = given.shape == (2,) and given.dtype.kind in "iu"

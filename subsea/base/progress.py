@@ -27,8 +27,10 @@ REPORT_S = 10.0  # between two lines without a terminal
 
 
 @contextmanager
-def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[[], object]]:
+def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[..., object]]:
     """Yield a function to call after each of `total` units; `done` units are already done.
+
+    The function takes the number of units, if these are several at once.
 
     Shows a bar on a terminal; elsewhere a line every `REPORT_S`, to keep logs short.
     """
@@ -40,9 +42,9 @@ def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[[], obje
         return
     reported, reported_s = done, time.monotonic()
 
-    def count() -> None:
+    def count(number: int = 1) -> None:
         nonlocal done, reported, reported_s
-        done += 1
+        done += number
         now = time.monotonic()
         if now - reported_s >= REPORT_S:
             rate = (done - reported) / (now - reported_s)

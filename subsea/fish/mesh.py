@@ -158,7 +158,7 @@ def species_vertices(plan: SurfacePlan, mesh: Mesh, detail: Detail) -> Array:
             if paddle:
                 along, across = mesh.vertices[mine, 13], 2.0 * v[mine] - 1.0
                 out[mine, :2] = _outline(paddle, along, across)
-                out[mine, 2] = patch.start + _root(paddle, rest[patch])
+                out[mine, 2] = patch.start + root_point(paddle, rest[patch])
             else:
                 out[mine, 2] = ABSENT
     return out
@@ -222,8 +222,8 @@ def _outline(plan: PaddlePlan, along: Array, across: Array) -> Array:
     return np.stack([x, y], axis=1)
 
 
-def _root(plan: PaddlePlan, flank: Array) -> int:
-    """The control point of a flank (189, 3) nearest to the root of a paired fin."""
+def root_point(plan: PaddlePlan, flank: Array) -> int:
+    """Find the control point of a flank (189, 3) nearest to the root of a paired fin."""
     return int(np.argmin(np.hypot(flank[:, 0] + plan.at, flank[:, 1] - plan.height)))
 
 
@@ -238,7 +238,7 @@ def root_offset(plan: SurfacePlan, paddle: PaddlePlan | None) -> Array:
     grid = sampled(flank.reshape(U, V, 3), basis_table(U, ROOT_SAMPLES))
     surface = sampled(grid.swapaxes(0, 1), basis_table(V, ROOT_SAMPLES)).reshape(-1, 3)
     off = np.hypot(surface[:, 0] + paddle.at, surface[:, 1] - paddle.height)
-    return np.asarray(surface[off.argmin()] - flank[_root(paddle, flank)])
+    return np.asarray(surface[off.argmin()] - flank[root_point(paddle, flank)])
 
 
 def sampled(control: Array, table: Table) -> Array:

@@ -215,9 +215,7 @@ def pack(
     pilot = cockpit(world.state.submarine, alpha) if pilot is None else pilot
     fishes, library = world.state.fishes, world.library
     start = time.perf_counter()
-    centres = fishes.previous_position + np.float32(alpha) * (
-        fishes.position - fishes.previous_position
-    )
+    centres = _centres(fishes, alpha)
     time_s = (world.state.tick - 1 + alpha) * TICK_S
     radii = ENLARGED * library.bounding_radius[fishes.species] * fishes.length
     reach = IN_SIGHT * world.scenario.water.visibility_cm
@@ -245,9 +243,7 @@ def pack(
     specks, bounds = plankton_in_sight(
         state.sea.plankton, state.sea.absent, arrays, options.culling
     )
-    instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
-    groups = fishes, library, centres, order, shares, alpha, instances
-    share(_write_instances, np.arange(len(order)), LEAST_PART, *groups)
+    instances = _instances(world, centres, order, shares, alpha)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
@@ -282,6 +278,27 @@ def pack(
         hour=_hour(world.scenario.water, time_s),
         bites=_bites(world.state.sea, views[0].eye if views else pilot.eye, arrays),
     )
+
+
+def instances_of(world: World, who: Ints, alpha: float) -> Array:
+    """Write the instances (k, 30) of fishes (k,), in sight or not, and the poses of live ones."""
+    fishes = world.state.fishes
+    centres = _centres(fishes, alpha)
+    instances = _instances(world, centres, who, np.zeros(len(who)), alpha)
+    _skin_live(world, who)
+    return instances
+
+
+def _centres(fishes: Fishes, alpha: float) -> Array:
+    before = fishes.previous_position
+    return np.asarray(before + np.float32(alpha) * (fishes.position - before))
+
+
+def _instances(world: World, centres: Array, order: Ints, shares: Array, alpha: float) -> Array:
+    instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
+    groups = world.state.fishes, world.library, centres, order, shares, alpha, instances
+    share(_write_instances, np.arange(len(order)), LEAST_PART, *groups)
+    return instances
 
 
 def _hour(water: Water, time_s: float) -> float | None:

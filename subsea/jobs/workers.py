@@ -23,9 +23,12 @@ Work = Callable[[Any], Any]
 Pool = Callable[[Work, Mapping[K, Any], Check], Results[K]]
 
 POLL_S = 0.2
-# One thread for matrices and for a tick, and no code of the current folder, where spawned
-# processes would look first.
-ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "SUBSEA_THREADS": "1", "PYTHONSAFEPATH": "1"}
+# One thread for matrices, a tick, and a picture without a GPU; and no code of the current folder,
+# where spawned processes would look first.
+ENVIRONMENT = {
+    "OPENBLAS_NUM_THREADS": "1", "SUBSEA_THREADS": "1", "LP_NUM_THREADS": "1",
+    "PYTHONSAFEPATH": "1",
+}  # fmt: skip
 MAX_ATTEMPTS = 3  # crashes of processes with the same job
 
 

@@ -78,6 +78,12 @@ def bodies_at(world: World, who: int | Ints, alpha: float) -> tuple[Array, Array
 
 def eye_weights(plan: SurfacePlan) -> Array:
     """Weights (189,) of the control points of a flank in the centre of its eye."""
+    u, v = (np.array([t]) for t in eye_place(plan))
+    return np.outer(dense(basis_at(U, u), U)[0], dense(basis_at(V, v), V)[0]).ravel()
+
+
+def eye_place(plan: SurfacePlan) -> tuple[float, float]:
+    """Parameters u and v of a flank at the centre of its eye."""
     t = np.linspace(0.0, 1.0, SAMPLES)
     across, along = dense(basis_at(U, t), U), dense(basis_at(V, t), V)
     half = rest_control_points(plan, 1.0, 0.0)[RIGHT].reshape(U, V, 3)
@@ -86,7 +92,7 @@ def eye_weights(plan: SurfacePlan) -> Array:
     # On a body with wings the eye's height is its distance from the spine, on the upper side.
     off = np.where(up > 0.0, aside - plan.eye.height, np.inf) if plan.wing else up - plan.eye.height
     a, b = np.unravel_index(np.argmin((behind - plan.eye.at) ** 2 + off**2), behind.shape)
-    return np.outer(across[a], along[b]).ravel()
+    return float(t[a]), float(t[b])
 
 
 def retina_rig(

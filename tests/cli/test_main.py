@@ -15,8 +15,8 @@ from subsea.media.record import read_record
 from subsea.scenario.load import own_scenarios
 
 COMMANDS = (
-    "dive", "export", "film", "logbook", "benchmark", "convert", "simulate", "soak", "study",
-    "sweep", "build", "skin", "keys", "list", "show", "theatre", "doctor", "settings",
+    "dive", "export", "film", "logbook", "benchmark", "convert", "dataset", "simulate", "soak",
+    "study", "sweep", "build", "skin", "keys", "list", "show", "theatre", "doctor", "settings",
 )  # fmt: skip
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 

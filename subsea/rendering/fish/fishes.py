@@ -266,15 +266,33 @@ class DrawnVertices(NamedTuple):
     tone: Array  # (T, n, 4) factors of red, green and blue, and of saturation
 
 
+class ShapePoints(NamedTuple):
+    """Vertices whose places on a fish are computed."""
+
+    vertices: Array  # (n, 16) float32, columns as VERTEX_FORMAT
+    own: Array  # (species, n, 4) as of `species_vertices`
+
+
+def level_points(species: tuple[Species, ...], level: int) -> ShapePoints:
+    """Collect the vertices of a level of detail."""
+    mesh, detail = fish_mesh(DETAILS[level]), DETAILS[level]
+    own = [species_vertices(one.surface, mesh, detail) for one in species]
+    return ShapePoints(mesh.vertices, np.array(own))
+
+
 class FishShape:
-    """Computes the vertices of fishes by `shaders/fishes.vert`, at one level of detail."""
+    """Computes vertices of fishes by `shaders/fishes.vert`."""
 
     def __init__(
-        self, species: tuple[Species, ...], length_cm: tuple[float, ...], level: int
+        self, species: tuple[Species, ...], length_cm: tuple[float, ...], level: int | ShapePoints
     ) -> None:
-        """Prepare species of these recorded lengths; UserError without OpenGL."""
-        self._mesh, detail = fish_mesh(DETAILS[level]), DETAILS[level]
-        self._own = np.array([species_vertices(one.surface, self._mesh, detail) for one in species])
+        """Prepare species of these recorded lengths; UserError without OpenGL.
+
+        The vertices are those of a level of detail, or any given ones.
+        """
+        points = level_points(species, level) if isinstance(level, int) else level
+        self._vertices, self._own = points.vertices, points.own
+        self.present = points.own[:, :, 2] >= 0.0  # (species, n) False for parts that one lacks
         rows = [
             row
             for pair in zip(species, length_cm, strict=True)
@@ -297,10 +315,10 @@ class FishShape:
         instances[:, [ROW_A, ROW_B]] = row.reshape(-1, 2)
         return self._shader.run(
             [
-                (self._mesh.vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
+                (self._vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
                 (instances, f"{INSTANCE_FORMAT}/i", *INSTANCE_ATTRIBUTES),
             ],
-            (len(instances), len(self._mesh.vertices)),
+            (len(instances), len(self._vertices)),
             {"u_table": _texels(control_points[used]), "u_vertices": self._own},
             {"Looks": self._looks},
         )

@@ -36,6 +36,9 @@ class IdMaps(NamedTuple):
     kind: Ints  # (h, w) uint8, index into KINDS
     number: Ints  # (h, w) int32, index of the fish, pillar, rock or growth; else 0
     depth: Array  # (h, w) float32, cm along the view's axis, infinite in open water
+    # (h, w, 2) float32, change of 1 / depth from pixel to pixel, to the right and down, on the
+    # plane of the triangle that is seen; None: not known
+    slope: Array | None = None
 
 
 class IdBuffer(GpuOwner):
@@ -46,7 +49,7 @@ class IdBuffer(GpuOwner):
         super().__init__()
         self.size = size
         try:
-            texture = self.own(context.texture(size, 2, dtype="f4"))
+            texture = self.own(context.texture(size, 4, dtype="f4"))
             depth = self.own(context.depth_renderbuffer(size))
         except moderngl.Error as fault:
             raise UserError(
@@ -56,11 +59,12 @@ class IdBuffer(GpuOwner):
         self.framebuffer = self.own(context.framebuffer([texture], depth))
 
     def read(self, part: Rect | None = None) -> IdMaps:
-        """Read back object ids and depths, from a part of the canvas or all of it."""
+        """Read back object ids, depths and slopes, from a part of the canvas or all of it."""
         part = part or (0, 0, *self.size)
         width, height = part[2:]
-        data = self.framebuffer.read(part, components=2, dtype="f4")
-        texels = np.frombuffer(data, np.float32).reshape(height, width, 2)[::-1]
+        data = self.framebuffer.read(part, components=4, dtype="f4")
+        texels = np.frombuffer(data, np.float32).reshape(height, width, 4)[::-1]
         kind, number = np.divmod(texels[..., 0].astype(np.int32), NUMBERS)
         depth = np.where(kind == WATER, np.float32(np.inf), texels[..., 1])
-        return IdMaps(kind.astype(np.uint8), number, depth)
+        slope = texels[..., 2:] * np.array([1.0, -1.0], np.float32)
+        return IdMaps(kind.astype(np.uint8), number, depth, slope)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.base.disk_cache import cache_name, remembered
+from subsea.base.disk_cache import cache_name, cached, remembered
 from subsea.frame.packet import RenderScene
 from subsea.geometry.noise import fractal
 from subsea.geometry.solids import from_pillar, from_rock
@@ -374,7 +374,7 @@ class RockRenderer(StaticBatch):
                 for mesh in (own.rough, *(level.vertices for level in levels))
             ]  # fmt: skip
             places = np.concatenate([shape[:, :3] for shape in shapes])
-            return object_ids(scene.pillars, scene.rocks, places.astype(np.float64))
+            return cached(object_ids, scene.pillars, scene.rocks, places.astype(np.float64))
 
         layout = "3f4 3f4 4f4 3f4", "a_position a_normal a_light a_cover"
         moving = {"MOVING_SUN": 1} if scene.water.day_minutes else {}

@@ -1,0 +1,1 @@
+"""Labelled pictures of any camera, and sets of them for detectors, trackers and pose heads."""
