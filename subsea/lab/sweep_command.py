@@ -30,6 +30,28 @@ def add_jobs(parser: Any) -> None:
     )
 
 
+def check_jobs(options: Namespace) -> None:
+    """Raise a UserError for both processes and a cluster, or for certificates without one."""
+    if options.cluster is not None and options.jobs is not None:
+        raise UserError("--jobs and --cluster: give one of the two")
+    if options.cluster is None and options.cluster_tls is not None:
+        raise UserError("--cluster-tls needs --cluster")
+
+
+def pool_of(options: Namespace) -> Any:
+    """Return the cluster or the processes that do the work; compile the kernels for the latter."""
+    from subsea.base.progress import say
+    from subsea.base.system import cores
+    from subsea.dive.warm_up import warm_up
+    from subsea.jobs.dask_cluster import dask_pool
+    from subsea.jobs.workers import process_pool
+
+    if options.cluster is not None:
+        return dask_pool(options.cluster, options.cluster_tls)
+    warm_up(say)
+    return process_pool(options.jobs or cores())
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     from subsea.jobs.dask_cluster import add_cluster
@@ -105,28 +127,16 @@ def add(commands: Any) -> None:
 def run(options: Namespace) -> int:
     """Run the sweep."""
     from subsea.base.interrupts import deferred_interrupts
-    from subsea.base.progress import say
-    from subsea.base.system import cores
-    from subsea.dive.warm_up import warm_up
-    from subsea.jobs.dask_cluster import dask_pool
-    from subsea.jobs.workers import process_pool
     from subsea.lab.own_measures import named_measures
     from subsea.lab.sweep import Sweep, read_values, sweep
 
-    if options.cluster is not None and options.jobs is not None:
-        raise UserError("--jobs and --cluster: give one of the two")
-    if options.cluster is None and options.cluster_tls is not None:
-        raise UserError("--cluster-tls needs --cluster")
+    check_jobs(options)
     values = read_values(options.settings)
     chosen = Sweep(
         options.scenario, options.seeds, ticks_of(options), options.fish, values, _points(options),
         named_measures(options.measures),
     )  # fmt: skip
-    if options.cluster is not None:
-        pool = dask_pool(options.cluster, options.cluster_tls)
-    else:
-        pool = process_pool(options.jobs or cores())
-        warm_up(say)
+    pool = pool_of(options)
     with deferred_interrupts() as check:
         table = sweep(
             chosen,

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from subsea.base.command_line import add_command, add_force, number_reader
-from subsea.base.errors import UserError
 from subsea.dive import arguments as shared
-from subsea.lab.sweep_command import add_jobs
+from subsea.lab.sweep_command import add_jobs, check_jobs, pool_of
 
 GROUP = "simulate and study"  # in the help
 
@@ -109,20 +108,12 @@ def add(commands: Any) -> None:
 def run(options: Namespace) -> int:
     """Make the set."""
     from subsea.base.interrupts import deferred_interrupts
-    from subsea.base.progress import say
-    from subsea.base.system import cores
-    from subsea.dive.warm_up import warm_up
-    from subsea.jobs.dask_cluster import dask_pool
-    from subsea.jobs.workers import process_pool
     from subsea.lab.dataset.make import make_dataset
     from subsea.lab.dataset.ranges import read_ranges
     from subsea.lab.dataset.scenes import RANDOM, DatasetPlan
     from subsea.world.world import TICK_S
 
-    if options.cluster is not None and options.jobs is not None:
-        raise UserError("--jobs and --cluster: give one of the two")
-    if options.cluster is None and options.cluster_tls is not None:
-        raise UserError("--cluster-tls needs --cluster")
+    check_jobs(options)
     every_s = options.every or (TICK_S if options.sequence else 0.5)
     plan = DatasetPlan(
         scenario=options.scenario,
@@ -138,11 +129,7 @@ def run(options: Namespace) -> int:
         quality=options.quality,
         val=options.val,
     )
-    if options.cluster is not None:
-        pool = dask_pool(options.cluster, options.cluster_tls)
-    else:
-        pool = process_pool(options.jobs or cores())
-        warm_up(say)
+    pool = pool_of(options)
     with deferred_interrupts() as check:
         card = make_dataset(
             plan,

@@ -223,7 +223,7 @@ class ResolvePass(GpuOwner):
         """Draw patch `number` into `into`, a framebuffer of `size` pixels.
 
         The canvas is `scale` times the size of the rig's. It holds linear light, `unit` for a light
-        of 1, or final colours if that is None.
+        of 1. None means that it holds final colours.
         """
         context, patch, linear = self._context, self.patches[number], unit is not None
         bloom = self._bloom if linear and self._may_bloom(patch) else None
