@@ -37,7 +37,7 @@ from tests.support.browser import browser
 from tests.support.scenes import BARE
 
 SIZE = 640, 360
-FPS, FRAMES, START_S = 10, 6, 0.7
+FPS, FRAMES, START_S = 10, 6, 0.4
 STEP = 20  # of the red of silhouettes, from fish to fish
 # Each fish in a red of its own with green, all else black: at smoothed edges their ratio stays.
 SILHOUETTES = (

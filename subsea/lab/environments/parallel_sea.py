@@ -57,7 +57,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         }
         self._rng = np.random.default_rng()
         self._steps = 0
-        self._shown = Shown(render_mode, fps, self._draw)
+        self._shown = Shown(render_mode, fps)
 
     @property
     def world(self) -> World:
@@ -89,7 +89,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         who = self._who()
         self.sea.turn(who, self._rng, SPREAD_CM, TURN_RAD)
         outcome = self.sea.advance(who, np.zeros((len(who), len(ACTIONS))), ticks=1)
-        self._shown.update()
+        self._shown.update(self._draw)
         return self._observations(who), self._infos(outcome)
 
     def step(
@@ -125,7 +125,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
             {agent: bool(late and outcome.alive[k]) for k, agent in enumerate(self.agents)},
             self._infos(outcome),
         )
-        self._shown.update()
+        self._shown.update(self._draw)
         living = zip(self.agents, outcome.alive, strict=True)
         self.agents = [agent for agent, alive in living if alive and not late]
         return told
@@ -135,7 +135,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
 
         With "human", `reset` and `step` show it in a window.
         """
-        return self._shown.render()
+        return self._shown.render(self._draw)
 
     def _draw(self) -> Bytes:
         return self.sea.pictures.behind(self._fish[(self.agents or self.possible_agents)[0]])

@@ -26,18 +26,24 @@ def check_render_mode(mode: str | None) -> None:
 class Shown:
     """Pictures of an environment in its render mode."""
 
-    def __init__(self, mode: str | None, fps: float, draw: Callable[[], Bytes]) -> None:
-        """`draw` makes the present picture, of the same size each time."""
+    def __init__(self, mode: str | None, fps: float) -> None:
+        """Refuse an unknown mode.
+
+        It knows nothing of its environment: one without owners is freed at once, with its context,
+        and not by the garbage collector while another context draws.
+        """
         check_render_mode(mode)
-        self._mode, self._fps, self._draw = mode, fps, draw
+        self._mode, self._fps = mode, fps
         self._window: Any = None
 
-    def render(self) -> Bytes | None:
+    def render(self, draw: Callable[[], Bytes]) -> Bytes | None:
         """Return the picture in the mode "rgb_array"; None in others."""
-        return self._draw() if self._mode == "rgb_array" else None
+        return draw() if self._mode == "rgb_array" else None
 
-    def update(self) -> None:
+    def update(self, draw: Callable[[], Bytes]) -> None:
         """Show the picture in the mode "human", at the environment's own speed.
+
+        `draw` makes it, of the same size each time.
 
         Opens a window at first; one that a person has closed stays closed.
         """
@@ -46,14 +52,14 @@ class Shown:
         if self._window is None:
             from subsea.ui.picture_window import PictureWindow
 
-            picture = self._draw()  # without OpenGL no window opens
+            picture = draw()  # without OpenGL no window opens
             high, wide = picture.shape[:2]
             self._window = PictureWindow(
                 TITLE, (wide, high), self._fps, 'render_mode="rgb_array" returns pictures'
             )
             self._window.show(picture)
         elif self._window.is_open:
-            self._window.show(self._draw())
+            self._window.show(draw())
 
     def close(self) -> None:
         """Close the window."""

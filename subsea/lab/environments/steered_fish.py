@@ -57,7 +57,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
             raise UserError(f"scenario {self.sea.options.scenario}: it has no {self.wanted}")
         self.render_mode, self._observation = render_mode, observation
         fps = self.sea.decisions_per_second
-        self._shown = Shown(render_mode, fps, lambda: self.sea.pictures.behind(self.fish))
+        self._shown = Shown(render_mode, fps)
         self._reward = reward or self.default_reward
         self._who = self._candidates[:1]
         self._steps, self._over = 0, True
@@ -95,7 +95,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         self.start(self.fish)
         outcome = self.sea.advance(self._who, np.zeros((1, len(living_sea.ACTIONS))), ticks=1)
         self._steps, self._over = 0, False
-        self._shown.update()
+        self._shown.update(self._draw)
         return self._observe(), self._info(outcome.meals)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -112,7 +112,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         self._over = dead
         late = self._steps >= self.sea.options.max_steps
         reward = float(self._reward(outcome)[0])
-        self._shown.update()
+        self._shown.update(self._draw)
         return self._observe(), reward, dead, late and not dead, self._info(outcome.meals)
 
     def render(self) -> Bytes | None:
@@ -120,7 +120,10 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
 
         With "human", `reset` and `step` show it in a window.
         """
-        return self._shown.render()
+        return self._shown.render(self._draw)
+
+    def _draw(self) -> Bytes:
+        return self.sea.pictures.behind(self.fish)
 
     def close(self) -> None:
         """Release the renderer and the window."""

@@ -72,7 +72,7 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         fps = 1.0 / (frame_skip * TICK_S)
         self.metadata = {**self.metadata, "render_fps": round(fps)}
         self._picture: Any = None
-        self._shown = Shown(render_mode, fps, self._draw)
+        self._shown = Shown(render_mode, fps)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -80,7 +80,7 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         """Begin an episode at rest, slightly disturbed; ``options`` are ignored."""
         super().reset(seed=seed)
         self._school.begin(ONE, [self.np_random])
-        self._shown.update()
+        self._shown.update(self._draw)
         return self._school.bodies.observed[0].copy(), self._info()
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
@@ -89,7 +89,7 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         reward = self._school.step(ONE, actions, [self.np_random])
         burst = not self._school.bodies.sound[0]
         info = self._info()
-        self._shown.update()
+        self._shown.update(self._draw)
         return self._school.bodies.observed[0].copy(), reward.item(), burst, False, info
 
     def render(self) -> Bytes | None:
@@ -98,7 +98,7 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         UserError without OpenGL. None unless ``render_mode`` is "rgb_array". With "human", `reset`
         and `step` show it in a window.
         """
-        return self._shown.render()
+        return self._shown.render(self._draw)
 
     def _draw(self) -> Bytes:
         if self._picture is None:

@@ -26,33 +26,37 @@ def forage(mode):
     return ForageEnv(scenario=str(BARE), render_mode=mode, picture_size=(80, 60), max_steps=3)
 
 
-def shown_pixels(shown):
+def halves():
+    return HALVES
+
+
+def shown_pixels(shown, draw=halves):
     """Return the pixels of the display where the window is."""
     left, top = shown._window._window.position
     for _ in range(50):
         seen = display_pixels()[top : top + 60, left : left + 80]
         if seen.std() > 1.0:
             break
-        shown.update()
+        shown.update(draw)
     return seen
 
 
 def test_a_window_shows_the_picture_the_right_way_up(display):
-    shown = Shown("human", 30.0, lambda: HALVES)
-    shown.update()
+    shown = Shown("human", 30.0)
+    shown.update(halves)
     assert np.abs(shown_pixels(shown) - HALVES).max() < 3
-    assert shown.render() is None
+    assert shown.render(halves) is None
     shown.close()
     shown.close()
 
 
 def test_a_window_keeps_the_speed_of_its_environment(display):
-    shown = Shown("human", 20.0, lambda: HALVES)
-    shown.update()
-    shown.update()
+    shown = Shown("human", 20.0)
+    shown.update(halves)
+    shown.update(halves)
     start = time.monotonic()
     for _ in range(6):
-        shown.update()
+        shown.update(halves)
     assert 0.2 < time.monotonic() - start < 3.0
     shown.close()
 
@@ -64,21 +68,21 @@ def test_two_windows_and_a_window_that_is_closed(display):
         drawn.append(1)
         return HALVES
 
-    first, second = (Shown("human", 200.0, draw) for _ in range(2))
-    first.update()
-    second.update()
+    first, second = (Shown("human", 200.0) for _ in range(2))
+    first.update(draw)
+    second.update(draw)
     handle = first._window._window.handle
     press_close_button(glfw.get_x11_window(handle))
     for _ in range(100):
-        first.update()
+        first.update(draw)
         if not first._window.is_open:
             break
         time.sleep(0.02)
     assert not first._window.is_open
     count = len(drawn)
-    first.update()  # stays closed, and nothing is drawn for it
+    first.update(draw)  # stays closed, and nothing is drawn for it
     assert len(drawn) == count
-    second.update()
+    second.update(draw)
     assert second._window.is_open
     first.close()
     second.close()
@@ -87,7 +91,7 @@ def test_two_windows_and_a_window_that_is_closed(display):
 def test_environments_show_themselves(display):
     env = forage("human")
     env.reset(seed=1)
-    assert shown_pixels(env._shown).std() > 2.0
+    assert shown_pixels(env._shown, env._draw).std() > 2.0
     assert env.render() is None
     env.step(STILL)
     env.close()
@@ -115,9 +119,9 @@ def test_the_checker_of_gymnasium_is_content(display):
 def test_without_a_display_the_alternative_is_named(monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    shown = Shown("human", 30.0, lambda: HALVES)
+    shown = Shown("human", 30.0)
     with pytest.raises(UserError, match=r'no display .*render_mode="rgb_array" returns'):
-        shown.update()
+        shown.update(halves)
 
 
 def frames_of(path):

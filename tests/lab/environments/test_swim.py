@@ -1,6 +1,8 @@
 """One swimming body as an environment."""
 
 import ctypes
+import gc
+import weakref
 
 import gymnasium
 import numpy as np
@@ -272,6 +274,17 @@ def test_a_bad_parameter_is_a_user_error(given, told):
     with pytest.raises(UserError) as fault:
         SwimEnv(**given)
     assert told in str(fault.value)
+
+
+def test_an_environment_that_is_dropped_is_freed_at_once():
+    env = SwimEnv(species="clownfish", render_mode="rgb_array")
+    gone = weakref.ref(env)
+    gc.disable()  # it would free a context while another one draws
+    try:
+        del env
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 def test_a_picture_shows_the_body():
