@@ -3,14 +3,23 @@
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.geometry.solids import is_far_from_rocks
 from subsea.geometry.vector import ZERO, Vector
 from subsea.geometry.walls import WALL_CM
 from subsea.kernels import kernel
+from subsea.state import Sea
 
 LOOK_BL = 12.0  # distance within which a fish plans to pass an obstacle
 BERTH_BL = 1.2  # clearance at which it passes
 AWAY = 4.0  # weight of an angle that leads away from the wish
 HEADROOM_BL = 0.6  # height above or below a rock at which it passes over or under
+
+
+@kernel
+def rocks_in_way(sea: Sea, here: Vector, length: float) -> Array:
+    """The rocks (k, 7) that a fish of `length` cm may have to pass: none far from stone, or all."""
+    clear = is_far_from_rocks(sea.tops, sea.half_width, here, LOOK_BL * length)
+    return sea.rocks[: 0 if clear else len(sea.rocks)]
 
 
 @kernel

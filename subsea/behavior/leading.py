@@ -2,7 +2,7 @@
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.behavior.detour import detour
+from subsea.behavior.detour import detour, rocks_in_way
 from subsea.behavior.moods import temper_of
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
@@ -33,7 +33,8 @@ def follow_leader(i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) 
     company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
                        spacing)  # fmt: skip
     urge = plus(plus(_pull(toward, length), ahead), company)
-    way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks, 0.0)
+    rocks = rocks_in_way(sea, here, length)
+    way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, rocks, 0.0)
     if norm(way) > 0.0:
         # Meanwhile climb or dive to the leader, as under an arch.
         way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))

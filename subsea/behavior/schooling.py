@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.behavior.detour import detour
+from subsea.behavior.detour import detour, rocks_in_way
 from subsea.behavior.leading import LOST_S, follow_leader
 from subsea.behavior.moods import Temper, deviate, temper_of
 from subsea.behavior.school_goals import NEAR_GOAL_BL, goal_of, is_informed
@@ -159,7 +159,8 @@ def swim_along(
     behind = min(dot(middle, ahead), 0.0) * (1.0 - outside)
     wish = plus(urge, times(rule[REJOIN], minus(middle, times(behind, ahead))))
     # All take the side that most head to, or the school would split at an obstacle.
-    way = detour(wish, heading, here, length, sea.pillars, sea.rocks, DIRECT * outside)
+    rocks = rocks_in_way(sea, here, length)
+    way = detour(wish, heading, here, length, sea.pillars, rocks, DIRECT * outside)
     if norm(way) > 0.0:
         # It rejoins the others behind the obstacle.
         set_urge(minds, i, plus(times(COMPANY, urge), times(OWN_WAY, way)))

@@ -5,7 +5,13 @@ import numpy as np
 from subsea.base.arrays import Ints
 from subsea.behavior.chasing import set_urge
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
+from subsea.geometry.solids import (
+    far_from_rock,
+    from_pillar,
+    from_rock,
+    height_at,
+    is_far_from_rocks,
+)
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import (
@@ -124,6 +130,8 @@ def _inside(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vec
 @kernel
 def _rocks_near(p: Vector, reach: float, sea: Sea, rocks: Ints) -> int:
     """Write the numbers of the rocks within `reach` cm of p, and others, to `rocks`; how many."""
+    if is_far_from_rocks(sea.tops, sea.half_width, p, reach):
+        return 0
     count = 0
     for k in range(len(sea.rocks)):
         rocks[count] = k

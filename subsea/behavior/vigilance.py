@@ -12,7 +12,13 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.threat_memory import flees_from_memory, place_of, wariness
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
+from subsea.geometry.solids import (
+    far_from_rock,
+    from_pillar,
+    from_rock,
+    height_at,
+    is_far_from_rocks,
+)
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
@@ -82,7 +88,8 @@ def is_hidden(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> bool:
     for k in range(len(sea.pillars)):
         if from_pillar(sea.pillars[k], here)[1] < reach:
             return True
-    for k in range(len(sea.rocks)):
+    clear = is_far_from_rocks(sea.tops, sea.half_width, here, reach)
+    for k in range(0 if clear else len(sea.rocks)):
         near = not far_from_rock(sea.rocks[k], here, reach)
         if near and from_rock(sea.rocks[k], here)[1] < reach:
             return True

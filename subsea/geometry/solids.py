@@ -7,6 +7,8 @@ is a height field over a square. Lengths are cm.
 
 import math
 
+import numpy as np
+
 from subsea.base.arrays import Array
 from subsea.geometry.vector import Vector
 from subsea.kernels import kernel
@@ -100,6 +102,67 @@ def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
     tall = rock[5] * rock[5]
     wide *= wide
     return (x * x + y * y) * tall + z * z * wide > 1.000001 * size * size * wide * tall
+
+
+# Heights above which no rock is near are kept for cells of the sea, and for these ranges, cm.
+RANGES_CM = (40.0, 120.0, 240.0)
+CELLS = 64  # along each side of the sea
+SPARE = 1.0001  # above the rounding of `far_from_rock` and of the heights
+
+
+@kernel
+def rock_tops(rocks: Array, half_width: float) -> Array:
+    """Heights (r, n, n) float32 above which `far_from_rock` is true of all rocks, cm.
+
+    They are for gaps of up to RANGES_CM (r,) and for n x n cells of the square [-w, w]², rows along
+    y; -inf where that is so at any height.
+    """
+    tops = np.full((len(RANGES_CM), CELLS, CELLS), np.float32(-np.inf))
+    side = 2.0 * half_width / CELLS
+    for level in range(len(RANGES_CM)):
+        for rock in rocks:
+            size = SPARE * (1.0 + RANGES_CM[level] / min(rock[3], rock[4], rock[5]))
+            wide, top = size * max(rock[3], rock[4]) + 1.0, rock[2] + size * rock[5] + 1.0
+            west = int(min(max((rock[0] - wide + half_width) / side, 0.0), CELLS))
+            east = int(min(max((rock[0] + wide + half_width) / side + 1.0, 0.0), CELLS))
+            south = int(min(max((rock[1] - wide + half_width) / side, 0.0), CELLS))
+            north = int(min(max((rock[1] + wide + half_width) / side + 1.0, 0.0), CELLS))
+            for row in range(south, north):
+                for column in range(west, east):
+                    tops[level, row, column] = max(tops[level, row, column], np.float32(top))
+    return tops
+
+
+@kernel
+def is_far_from_rocks(tops: Array, half_width: float, p: Vector, gap: float) -> bool:
+    """True if p is surely farther than `gap` cm from every rock: one look instead of a loop.
+
+    `tops` are those of `rock_tops`. False for many places near rocks and for large gaps.
+    """
+    level = 0
+    while gap > RANGES_CM[level]:
+        level += 1
+        if level == len(RANGES_CM):
+            return False
+    side = 2.0 * half_width / CELLS
+    x, y = (p[0] + half_width) / side, (p[1] + half_width) / side
+    if not (0.0 <= x < CELLS and 0.0 <= y < CELLS):
+        return False
+    return bool(p[2] > tops[level, int(y), int(x)])
+
+
+@kernel
+def misses_rocks(tops: Array, half_width: float, a: Vector, b: Vector) -> bool:
+    """True if the straight way from a to b surely meets no rock, by a look at each part of it."""
+    way = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    length = math.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
+    parts = int(length / (2.0 * RANGES_CM[1])) + 1
+    for part in range(parts):
+        share = (part + 0.5) / parts
+        middle = (a[0] + share * way[0], a[1] + share * way[1], a[2] + share * way[2])
+        if not is_far_from_rocks(tops, half_width, middle, 0.5 * length / parts):
+            return False
+    return True
 
 
 @kernel

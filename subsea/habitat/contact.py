@@ -16,6 +16,7 @@ from subsea.geometry.solids import (
     from_pillar,
     from_rock,
     height_at,
+    is_far_from_rocks,
     ray_meets_pillar,
     ray_meets_rock,
 )
@@ -212,6 +213,8 @@ def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: floa
         for k in range(len(sea.pillars)):
             if from_pillar(sea.pillars[k], middle)[1] < reach:
                 _keep_off(fishes, i, sea.pillars[k], own[i], near, dt)
+        if is_far_from_rocks(sea.tops, sea.half_width, middle, reach):
+            continue
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, reach):
                 _keep_off(fishes, i, sea.rocks[k], own[i], near, dt)

@@ -11,7 +11,13 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import Quaternion, about, multiply, quaternion, rotate, x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
+from subsea.geometry.solids import (
+    far_from_rock,
+    from_pillar,
+    from_rock,
+    height_at,
+    is_far_from_rocks,
+)
 from subsea.geometry.vector import Vector, minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
 from subsea.motor.pose import ends
@@ -108,7 +114,8 @@ def _is_near(p: Vector, length: float, sea: Sea) -> bool:
     near = False
     for k in range(len(sea.pillars)):
         near = near or from_pillar(sea.pillars[k], p)[1] < length
-    for k in range(len(sea.rocks)):
+    clear = is_far_from_rocks(sea.tops, sea.half_width, p, length)
+    for k in range(0 if clear else len(sea.rocks)):
         near = near or not far_from_rock(sea.rocks[k], p, length)
     return near
 

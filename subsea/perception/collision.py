@@ -12,6 +12,7 @@ from subsea.geometry.solids import (
     from_pillar,
     from_rock,
     height_at,
+    is_far_from_rocks,
     ray_meets_pillar,
     ray_meets_rock,
     ray_meets_seabed,
@@ -361,7 +362,8 @@ def nearest_barrier(fishes: Fishes, i: int, sea: Sea, antenna: float, widths: fl
             normal, gap = from_pillar(sea.pillars[k], eye)
             if gap < nearest and (t > 0.0 or dot(normal, ahead) < 0.0):
                 found, nearest = k, gap
-    for k in range(len(sea.rocks)):
+    clear = is_far_from_rocks(sea.tops, sea.half_width, eye, antenna + berth)
+    for k in range(0 if clear else len(sea.rocks)):
         t = ray_meets_rock(sea.rocks[k], berth, eye, tip)
         if t < NEVER:
             normal, gap = from_rock(sea.rocks[k], eye)

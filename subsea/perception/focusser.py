@@ -4,7 +4,13 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import conjugate, rotate
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
+from subsea.geometry.solids import (
+    far_from_rock,
+    from_pillar,
+    from_rock,
+    height_at,
+    is_far_from_rocks,
+)
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
@@ -260,7 +266,8 @@ def warn_of_solids(
         normal, distance = from_pillar(sea.pillars[k], eye)
         if distance < reach:
             note(q, times(-1.0, normal), -1.0, sums, counts)
-    for k in range(len(sea.rocks)):
+    clear = is_far_from_rocks(sea.tops, sea.half_width, eye, reach)
+    for k in range(0 if clear else len(sea.rocks)):
         if far_from_rock(sea.rocks[k], eye, reach):
             continue
         normal, distance = from_rock(sea.rocks[k], eye)

@@ -4,7 +4,12 @@ import math
 
 from subsea.base.arrays import Array
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
+from subsea.geometry.solids import (
+    misses_rocks,
+    ray_meets_pillar,
+    ray_meets_rock,
+    ray_meets_seabed,
+)
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import Fishes, Nature, Sea
@@ -60,7 +65,8 @@ def hidden(sea: Sea, eye: Vector, p: Vector) -> bool:
     for k in range(len(sea.pillars)):
         if ray_meets_pillar(sea.pillars[k], 0.0, eye, p) <= 1.0:
             return True
-    for k in range(len(sea.rocks)):
+    clear = misses_rocks(sea.tops, sea.half_width, eye, p)
+    for k in range(0 if clear else len(sea.rocks)):
         if ray_meets_rock(sea.rocks[k], 0.0, eye, p) <= 1.0:
             return True
     if min(eye[2], p[2]) > sea.crest:

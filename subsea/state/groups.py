@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
+from subsea.geometry.solids import CELLS, RANGES_CM
 from subsea.kernels.struct_ref import Kind, by_pointer
 from subsea.scenario.school_rules import MAX_RULES
 from subsea.state.codes import (
@@ -379,6 +380,11 @@ class Sea(NamedTuple):
     radius: Annotated[NUMBER, creation(unit="cm"), "of the cylinder that bounds the sea"]
     pillars: Annotated[F64, creation("k", 4, unit="cm"), "x, y, radius, height of the top"]
     rocks: Annotated[F64, creation("k", 7, unit="cm"), "ellipsoid: centre, half axes, yaw in rad"]
+    tops: Annotated[
+        F32,
+        creation(len(RANGES_CM), CELLS, CELLS, unit="cm", start=NEVER),
+        "height above which no rock is near: see `geometry/solids.py`",
+    ]
     climate: Annotated[
         F64, creation(4), "°C at the surface and at a depth, that depth, 1/e depth of light, cm"
     ]

@@ -3,6 +3,7 @@
 import numpy as np
 
 from subsea.base.errors import UserError
+from subsea.geometry.solids import rock_tops
 from subsea.habitat.sea import solids_on
 from subsea.scenario.checks import Findings, check_scenario
 from subsea.scenario.schema import MAX_SOLIDS, Scenario
@@ -20,7 +21,8 @@ def check_in_sea(scenario: Scenario, sea: Sea) -> None:
 def with_solids(scenario: Scenario, sea: Sea) -> tuple[Sea, list[str]]:
     """Replace the solids of a `sea` by those of a scenario, with the table of each rock."""
     pillars, rocks, owners = solids_on(scenario, sea.heights, sea.half_width)
-    return sea._replace(pillars=pillars, rocks=rocks), owners
+    tops = rock_tops(rocks, sea.half_width)
+    return sea._replace(pillars=pillars, rocks=rocks, tops=tops), owners
 
 
 def check_sea(scenario: Scenario, sea: Sea, owners: list[str]) -> None:

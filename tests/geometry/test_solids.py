@@ -7,13 +7,17 @@ from hypothesis import strategies as st
 
 from subsea.geometry.solids import (
     NEVER,
+    RANGES_CM,
     far_from_rock,
     from_pillar,
     from_rock,
     height_at,
+    is_far_from_rocks,
+    misses_rocks,
     ray_meets_pillar,
     ray_meets_rock,
     ray_meets_seabed,
+    rock_tops,
 )
 
 PILLAR = np.array([10.0, -5.0, 8.0, 20.0])
@@ -165,3 +169,43 @@ def test_a_ray_beside_a_long_rock_meets_it_at_its_ends():
     assert over == pytest.approx(0.5, abs=0.01)
     assert ray_meets_rock(long, 0.0, (40.1, 0.0, 10.0), (40.1, 0.0, -10.0)) == NEVER
     assert np.isfinite(ray_meets_rock(long, 0.2, (40.1, 0.0, 10.0), (40.1, 0.0, -10.0)))
+
+
+def _rocks(seed):
+    rng = np.random.default_rng(seed)
+    low, high = (-1500, -1500, -600, 10, 10, 10, 0), (1500, 1500, -300, 200, 120, 150, 6.28)
+    return rng.uniform(low, high, (rng.integers(0, 12), 7))
+
+
+@given(SEEDS)
+def test_a_look_never_says_far_of_a_place_within_the_gap_of_a_rock(seed):
+    rocks, rng = _rocks(seed), np.random.default_rng(seed + 1)
+    tops = rock_tops(rocks, 1200.0)
+    for p in rng.uniform((-1400, -1400, -600), (1400, 1400, 0), (200, 3)):
+        gap = rng.uniform(0.0, 1.2 * RANGES_CM[-1])
+        if is_far_from_rocks(tops, 1200.0, tuple(p), gap):
+            assert all(far_from_rock(rock, tuple(p), gap) for rock in rocks)
+
+
+@given(SEEDS)
+def test_a_way_that_misses_all_rocks_by_a_look_meets_none(seed):
+    rocks, rng = _rocks(seed), np.random.default_rng(seed + 1)
+    tops = rock_tops(rocks, 1200.0)
+    for a in rng.uniform((-1100, -1100, -600), (1100, 1100, 0), (100, 3)):
+        b = a + rng.normal(0.0, 400.0, 3)
+        if misses_rocks(tops, 1200.0, tuple(a), tuple(b)):
+            assert all(ray_meets_rock(rock, 0.0, tuple(a), tuple(b)) == NEVER for rock in rocks)
+
+
+def test_a_look_tells_places_far_from_stone_from_those_beside_it():
+    rock = np.array([[100.0, -50.0, -400.0, 60.0, 40.0, 50.0, 0.4]])
+    tops = rock_tops(rock, 1200.0)
+    for gap in RANGES_CM:
+        assert is_far_from_rocks(tops, 1200.0, (100.0, -50.0, 0.0), gap)
+        assert is_far_from_rocks(tops, 1200.0, (-900.0, -50.0, -400.0), gap)
+        assert not is_far_from_rocks(tops, 1200.0, (100.0, -50.0, -351.0 + 0.9 * gap), gap)
+    assert misses_rocks(tops, 1200.0, (-900.0, -900.0, -400.0), (-900.0, 900.0, -400.0))
+    assert not misses_rocks(tops, 1200.0, (-900.0, -50.0, -400.0), (900.0, -50.0, -400.0))
+    # Nothing is known outside of the cells, nor of larger gaps.
+    assert not is_far_from_rocks(tops, 1200.0, (1300.0, 0.0, -100.0), 1.0)
+    assert not is_far_from_rocks(tops, 1200.0, (-900.0, 0.0, -100.0), RANGES_CM[-1] + 1.0)
