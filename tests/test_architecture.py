@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.sources import parsed
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -41,7 +43,7 @@ MODULES = [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]
 def definitions(kind):
     """Definitions of a kind of syntax node, with their positions."""
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, kind):
                 yield f"{path.relative_to(ROOT)}:{node.lineno} {node.name}", node
 

@@ -24,6 +24,7 @@ from subsea.base.language import (
     translated,
 )
 from subsea.base.system import ROOT
+from tests.support.sources import parsed
 from tools import translate
 from tools.translate import po_file
 
@@ -118,7 +119,7 @@ def test_no_word_in_the_code_is_missed():
     """The collector does not see words in the braces of an f-string."""
     known = {one.id for one in collected()}
     for path in sorted((ROOT / "subsea").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in (
                 "translated",
                 "marked",

@@ -9,6 +9,7 @@ import pytest
 
 from subsea.base.system import ROOT
 from subsea.dive.settings import default_text
+from tests.support.sources import parsed
 
 QUESTIONS = {"isinstance", "len", "all", "any"}  # calls that only ask
 CHILD = """
@@ -35,7 +36,7 @@ if not all(command["what"] for command in described()):
 def test_no_assert_works_for_its_effect():
     faults = []
     for path in [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, ast.Assert):
                 faults += [
                     f"{path}:{node.lineno}"

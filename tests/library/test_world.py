@@ -16,6 +16,7 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 from tests.support.scenes import BARE
+from tests.support.sources import parsed
 
 
 @pytest.fixture
@@ -42,7 +43,7 @@ def test_every_public_name_exists_and_has_a_description():
 
 
 def test_type_checkers_find_every_public_name_where_it_is_loaded_from():
-    stub = ast.parse(Path(subsea.__file__).with_suffix(".pyi").read_text())
+    stub = parsed(Path(subsea.__file__).with_suffix(".pyi"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     found = {one.asname: node.module for node in imports for one in node.names}
     places = subsea._PLACES.items()  # a module is in its package
