@@ -58,6 +58,7 @@ REEF_CM = 250.0  # distance and size of a stone that are a whole reef
 EARSHOT_CM = 1500.0  # of bubbles, mouths and turns
 SCHOOL_CM = 500.0
 MOST_EVENTS = 64  # of a tick, the loudest
+MOST_STARTS = 2  # in a tick: when a school scatters, its nearest fishes drown the others
 MOTOR_HZ, MOTOR_RISE_HZ, WINCH_HZ = 36.0, 44.0, 170.0
 # Keys of the random numbers.
 COUNT, WHERE, AROUND, LOUDNESS, TOUCH, SETTLE, SIZE = (np.int64(k) for k in range(310, 317))
@@ -296,12 +297,13 @@ def _acting(world: World, away: Array) -> list[tuple[int, Ints]]:
     strikes = fed & (minds.kind == PREDATOR)
     crunchers = np.array(["wrasse" in one.name.lower() for one in world.species], np.bool_)
     crunches = fed & ~strikes & crunchers[fishes.species]
-    starts = near & fishes.alive & (minds.startled < 1.4 * TICK_S)
+    starts = np.flatnonzero(near & fishes.alive & (minds.startled < 1.4 * TICK_S))
+    starts = starts[np.argsort(away[starts], kind="stable")[:MOST_STARTS]]
     return [
         (STRIKE, np.flatnonzero(strikes)),
         (CRUNCH, np.flatnonzero(crunches)),
         (POP, np.flatnonzero(fed & ~strikes & ~crunches)),
-        (WHOOSH, np.flatnonzero(starts)),
+        (WHOOSH, starts),
     ]
 
 
