@@ -44,7 +44,6 @@ from subsea.rendering.fish.preview import without_variation
 from subsea.repertoire import Repertoire, Segment, read_repertoire
 
 OPAQUE = 250  # of 255; less opaque texels are blended
-ROUGHNESS = 0.45  # of a wet skin
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 FIN_NAMES = {  # part and side of a vertex
     "dorsal": (FIN, 1.0),
@@ -69,6 +68,8 @@ class Model(NamedTuple):
     solid: int  # ... and of its vertices
     fins: Mapping[str, Ints]  # vertices of the existing fins: dorsal, pectoral_left, …
     sheet: NDArray[np.uint8]  # (h, w, 4) sRGB and opacity, bottom row first
+    gloss: float  # reflectance of the scales, 0 to 1 ...
+    silver: float  # ... and of pale parts of the flanks
 
 
 class Clip(NamedTuple):
@@ -214,6 +215,8 @@ def model_of(
         solid=surface.solid,
         fins=surface.fins,
         sheet=sheet_of(species),
+        gloss=species.skin.gloss,
+        silver=species.skin.silver,
     )
     return model, surface
 

@@ -67,14 +67,14 @@ def copyright_line(species: Iterable[str] = ()) -> str:
 
 
 def sheet_png(sheet: Bytes) -> bytes:
-    """Encode a colour texture (h, w, 4), bottom row first."""
+    """Encode a texture (h, w, 3 or 4), bottom row first."""
     file = io.BytesIO()
     Image.fromarray(sheet[::-1]).save(file, "PNG")
     return file.getvalue()
 
 
 def sheet_webp(sheet: Bytes) -> bytes:
-    """Encode a colour texture (h, w, 4), bottom row first, a sixth as large and with losses."""
+    """Encode a texture (h, w, 3 or 4), bottom row first, a sixth as large and with losses."""
     file = io.BytesIO()
     Image.fromarray(sheet[::-1]).save(file, "WEBP", quality=WEBP_QUALITY)
     return file.getvalue()

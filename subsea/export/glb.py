@@ -18,7 +18,6 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.system import require
 from subsea.export import COMPRESSIONS, MESHOPT, PLAIN
-from subsea.export.clips import ROUGHNESS
 from subsea.export.conventions import copyright_line
 
 QUANTIZATION, COMPRESSION = "KHR_mesh_quantization", "EXT_meshopt_compression"
@@ -295,13 +294,18 @@ class GlbBuffer:
         return len(self.views) - 1
 
 
-def material(name: str, looks: dict[str, Any], texture: int = 0) -> dict[str, Any]:
-    """Describe a material with the colours of a texture; `looks` are its blending and sides."""
-    skin = {
-        "baseColorTexture": {"index": texture},
-        "metallicFactor": 0.0,
-        "roughnessFactor": ROUGHNESS,
-    }
+def material(
+    name: str, looks: dict[str, Any], rough: float, texture: int = 0, metal: int | None = None
+) -> dict[str, Any]:
+    """Describe a material with the colours of a texture; `looks` are its blending and sides.
+
+    `rough` is its roughness; `metal` is a texture of roughness and metal.
+    """
+    skin: dict[str, Any] = {"baseColorTexture": {"index": texture}}
+    if metal is None:
+        skin |= {"metallicFactor": 0.0, "roughnessFactor": rough}
+    else:
+        skin["metallicRoughnessTexture"] = {"index": metal}
     return {"name": name, "pbrMetallicRoughness": skin} | looks
 
 

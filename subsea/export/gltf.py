@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, Bytes
 from subsea.base.files import replacing
 from subsea.export import MESHOPT, glb
 from subsea.export.clips import Clip, Model, bake_root, transparent_triangles
@@ -23,6 +23,7 @@ from subsea.export.conventions import (
     sheet_webp,
     to_metres,
 )
+from subsea.export.skin_material import metal_image, roughness
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
 
@@ -84,6 +85,9 @@ class GltfFile:
             fin = np.arange(len(model.triangles)) >= model.body
             clear = transparent_triangles(model) & ~fin
             parts = Parts([], [])
+            colours = self.image(f"{model.name}_basecolor", model.sheet)
+            shine = metal_image(model)
+            metal = None if shine is None else self.image(f"{model.name}_metal", shine)
             for name, chosen, looks in (
                 ("body", ~fin & ~clear, {}),
                 ("clear", clear, {"alphaMode": "BLEND"}),
@@ -92,16 +96,21 @@ class GltfFile:
                 if chosen.any():
                     corners = model.triangles[chosen].astype(np.uint16).ravel()
                     parts.indices.append(self.buffer.add(corners, glb.INDICES))
-                    parts.materials.append(glb.material(name, looks, len(self._images)))
+                    look = glb.material(
+                        f"{model.name}_{name}", looks, roughness(model), colours,
+                        metal if name == "body" else None,
+                    )  # fmt: skip
+                    parts.materials.append(look)
             self._parts[model.name] = parts
-            self._images.append(self._sheet(model))
         return self._parts[model.name]
 
-    def _sheet(self, model: Model) -> Json:
+    def image(self, name: str, pixels: Bytes) -> int:
+        """Add an image (h, w, 3 or 4), bottom row first; return its number."""
         webp = self.buffer.packing.kind == MESHOPT
-        data = sheet_webp(model.sheet) if webp else sheet_png(model.sheet)
+        data = sheet_webp(pixels) if webp else sheet_png(pixels)
         kind = "image/webp" if webp else "image/png"
-        return {"bufferView": self.buffer.view(data), "mimeType": kind}
+        self._images.append({"name": name, "bufferView": self.buffer.view(data), "mimeType": kind})
+        return len(self._images) - 1
 
     def mesh(
         self, name: str, model: Model, attributes: Json, first: int, targets: Sequence[Json] = ()

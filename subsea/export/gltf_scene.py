@@ -25,21 +25,32 @@ from subsea.export.conventions import (
     to_metres,
     world_rotations,
 )
-from subsea.export.glb import INDICES, VERTICES, Packing, PositionGrid, Stored, packing_of
+from subsea.export.glb import (
+    FULL_BYTE,
+    FULL_SHORT,
+    INDICES,
+    VERTICES,
+    Packing,
+    PositionGrid,
+    Stored,
+    packing_of,
+)
 from subsea.export.options import SceneOptions, check_options
-from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneMesh, SceneWriter
+from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneMesh, SceneWriter, StillExtent
 from subsea.export.skinning import fit_skeleton, follow, off_percent
 from subsea.geometry.rotation import from_matrix
 
 SAMPLES = 120  # frames of a species that its skeleton is fitted to
 # For estimates: joints of a fish, and bytes of a key of each, of what names a fish's nodes, of a
-# vertex in a morph target, of a colour texture, and of a vertex and a triangle at rest.
+# vertex in a morph target, of a colour texture, of a vertex and a triangle at rest, and of both
+# where nothing moves.
 JOINTS, NAMES, VERTEX, TRIANGLE = 26, 14_000, 52, 6
 SHEET = {PLAIN: 550_000, QUANTISED: 550_000, MESHOPT: 90_000}
 KEY = {PLAIN: 28, QUANTISED: 20, MESHOPT: 12}
 TARGET = {PLAIN: 24, QUANTISED: 12, MESHOPT: 8}
+STILL = {PLAIN: (32, 11), QUANTISED: (20, 11), MESHOPT: (9, 2)}
+INSTANCE = 52  # bytes of place, turn, size and tint
 ROUGH = 0.9  # of what is not wet skin
-TINTS = 8  # steps of the colours of copies that are nodes: each has its own material
 SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its own vertices
 CUT_S = 1e-3  # before a cut of the camera, the picture before it still stands
 ROWS = 4096  # poses in a texture: with normals 8192 rows, as engines read
@@ -56,7 +67,8 @@ class SceneFile(gltf.GltfFile):
         self.tracks: list[gltf.KeyTrack] = []
         self.outputs: list[int] = []  # accessors of the keys of tracks
         self._times: dict[tuple[int, int], int] = {}
-        self._looks: dict[tuple[str, tuple[float, ...]], int] = {}
+        self._looks: dict[str, int] = {}
+        self._tints: dict[tuple[int, ...], int] = {}
 
     def times(self, first: int, last: int) -> int:
         """Return the accessor of the times of frames."""
@@ -102,17 +114,22 @@ class SceneFile(gltf.GltfFile):
     def add_shape(
         self, column: int, attributes: gltf.Json, targets: Sequence[gltf.Json] = ()
     ) -> int:
-        """Add the mesh of a fish in its tint; return its number."""
+        """Add the mesh of a fish, with its tint at the vertices; return its number.
+
+        So all fishes of a species have the same materials.
+        """
         fish = self.scene.fishes[column]
         model, parts = self.scene.models[fish.model], self.parts(self.scene.models[fish.model])
-        color = tuple(np.round(np.clip(fish.tint, 0.0, 1.0), 3).tolist())
-        if (model.name, color) not in self._looks:
-            self._looks[model.name, color] = len(self.materials)
-            for look in parts.materials:
-                skin = look["pbrMetallicRoughness"] | {"baseColorFactor": [*color, 1.0]}
-                name = f"{model.name}_{look['name']}"
-                self.materials.append(look | {"name": name, "pbrMetallicRoughness": skin})
-        return self.mesh(fish.name, model, attributes, self._looks[model.name, color], targets)
+        if model.name not in self._looks:
+            self._looks[model.name] = len(self.materials)
+            self.materials += parts.materials
+        tint = np.round(FULL_BYTE * np.clip(fish.tint, 0.0, 1.0)).astype(np.uint8)
+        key = (len(model.rest), *tint.tolist())
+        if key not in self._tints:
+            same = Stored(np.tile(tint, (len(model.rest), 1)), normalised=True)
+            self._tints[key] = self.buffer.add(same, VERTICES)
+        attributes = attributes | {"COLOR_0": self._tints[key]}
+        return self.mesh(fish.name, model, attributes, self._looks[model.name], targets)
 
     def hang(self, root: int, mesh: int, grid: PositionGrid) -> int:
         """Add a node with a mesh below the one that moves as a fish; return its number."""
@@ -136,77 +153,67 @@ class SceneFile(gltf.GltfFile):
         self.move(*gltf.path_tracks(number, places, turns, times))
 
     def add_statics(self, instancing: bool) -> None:
-        """Add what stands still, copies of a mesh as nodes or as instances of one node."""
+        """Add what stands still: a mesh of each kind, or copies of meshes as instances of a node.
+
+        Instances cannot be sheared: copies that are become part of the mesh of their kind.
+        """
         groups: dict[str, gltf.Json] = {}
+        kinds: dict[str, list[SceneMesh]] = {}
         for static in self.scene.statics:
             if static.group not in groups:
                 groups[static.group] = {"name": static.group, "children": []}
                 self.node(groups[static.group], root=True)
-            straight = np.array([_is_straight(place) for place in static.places], np.bool_)
-            children = groups[static.group]["children"]
-            for k in np.flatnonzero(~straight):
-                moved = _moved(static, static.places[k])
-                children += self._copies(
-                    moved, np.eye(4)[None], static.tints[k : k + 1], instancing
-                )
-            if straight.any():
-                places, tints = static.places[straight], static.tints[straight]
-                children += self._copies(static, places, tints, instancing)
+            alike = np.array([_is_straight(place) for place in static.places], np.bool_)
+            alike &= instancing and len(static.places) > 1
+            if alike.any():
+                placed = static._replace(places=static.places[alike], tints=static.tints[alike])
+                groups[static.group]["children"].append(self._instances(placed))
+            moved = kinds.setdefault(static.kind, [])
+            moved += [_moved(static, k) for k in np.flatnonzero(~alike).tolist()]
+        for kind, pieces in kinds.items():
+            if pieces:
+                whole = _merged(kind, pieces)
+                points = to_metres(whole.points, WORLD_Y_UP)
+                grid = self.buffer.packing.grid(points)
+                mesh = self._still(whole, points, grid)
+                node = {"name": kind, "mesh": mesh} | grid.node()
+                groups[whole.group]["children"].append(self.node(node))
 
-    def _copies(
-        self, static: SceneMesh, places: Array, tints: Array, instancing: bool
-    ) -> list[int]:
-        """Add a mesh at places (k, 4, 4); return the numbers of the nodes."""
+    def _instances(self, static: SceneMesh) -> int:
+        """Add a mesh at its places as instances of one node; return the number of the node."""
         points = to_metres(static.points, WORLD_Y_UP)
         grid = self.buffer.packing.grid(points)
-        brightest = max(1.0, float(tints.max()))
-        primitive = self._primitive(static, points, grid, brightest)
-        tints = np.clip(tints / brightest, 0.0, 1.0)
-        way, turn, size = _parted(places, grid)
-        if instancing and len(places) > 1:
-            mesh = self._tinted(static, primitive, np.ones(3))
-            floats = {"TRANSLATION": way, "ROTATION": turn, "SCALE": size, "_COLOR_0": tints}
-            attributes = {
-                name: self.buffer.add(value.astype(np.float32)) for name, value in floats.items()
-            }
-            node = {"name": static.name, "mesh": mesh}
-            return [self.node(node | {"extensions": {gltf.INSTANCING: {"attributes": attributes}}})]
-        meshes: dict[tuple[float, ...], int] = {}
-        steps = np.maximum(np.round(tints * TINTS), 1) / TINTS if len(tints) > 1 else tints
-        nodes = []
-        for k, tint in enumerate(map(tuple, steps.tolist())):
-            if tint not in meshes:
-                meshes[tint] = self._tinted(static, primitive, np.array(tint))
-            name = static.name if len(places) == 1 else f"{static.name}_{k + 1:03d}"
-            node = {"name": name, "mesh": meshes[tint]} | _place(way, turn, size, k)
-            nodes.append(self.node(node))
-        return nodes
+        brightest = max(1.0, float(static.tints.max()))
+        mesh = self._still(static._replace(colors=static.colors * brightest), points, grid)
+        way, turn, size = _parted(static.places, grid)
+        tints = static.tints / brightest
+        floats = {"TRANSLATION": way, "ROTATION": turn, "SCALE": size, "_COLOR_0": tints}
+        attributes = {
+            name: self.buffer.add(value.astype(np.float32)) for name, value in floats.items()
+        }
+        extensions = {gltf.INSTANCING: {"attributes": attributes}}
+        return self.node({"name": static.name, "mesh": mesh, "extensions": extensions})
 
-    def _primitive(
-        self, static: SceneMesh, points: Array, grid: PositionGrid, brightest: float
-    ) -> gltf.Json:
+    def _still(self, static: SceneMesh, points: Array, grid: PositionGrid) -> int:
+        """Add the mesh of something that stands still; return its number."""
         pack, buffer = self.buffer.packing, self.buffer
         wide = np.uint16 if len(points) <= 65535 else np.uint32
-        colors = np.clip(static.colors * brightest, 0.0, 1.0)
-        return {
+        look: gltf.Json = {
+            "name": static.group,
+            "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": ROUGH},
+        } | ({"doubleSided": True} if static.two_sided else {})
+        if look not in self.materials:
+            self.materials.append(look)
+        colors = np.round(FULL_SHORT * np.clip(static.colors, 0.0, 1.0)).astype(np.uint16)
+        primitive = {
             "attributes": {
                 "POSITION": buffer.add(pack.positions(points, grid), VERTICES),
                 "NORMAL": buffer.add(pack.normals(static.normals @ WORLD_Y_UP.T), VERTICES),
-                "COLOR_0": buffer.add(pack.coordinates(colors), VERTICES),
+                "COLOR_0": buffer.add(Stored(colors, normalised=True), VERTICES),
             },
             "indices": buffer.add(static.triangles.astype(wide).ravel(), INDICES),
+            "material": self.materials.index(look),
         }
-
-    def _tinted(self, static: SceneMesh, primitive: gltf.Json, tint: Array) -> int:
-        """Add a mesh in a tint; return its number."""
-        looks: gltf.Json = {"metallicFactor": 0.0, "roughnessFactor": ROUGH}
-        if (tint != 1.0).any():
-            looks["baseColorFactor"] = [*tint.tolist(), 1.0]
-        look: gltf.Json = {"name": static.group, "pbrMetallicRoughness": looks}
-        look |= {"doubleSided": True} if static.two_sided else {}
-        if look not in self.materials:
-            self.materials.append(look)
-        primitive = primitive | {"material": self.materials.index(look)}
         self.meshes.append({"name": static.name, "primitives": [primitive]})
         return len(self.meshes) - 1
 
@@ -220,6 +227,7 @@ class SceneFile(gltf.GltfFile):
             "frames": scene.frames,
             "seconds": (scene.frames - 1) / scene.fps,
             "startSeconds": scene.start_s,
+            "light": scene.light(),
         } | errors
         lens = {
             "aspectRatio": camera.aspect,
@@ -244,15 +252,32 @@ def _is_straight(place: Array) -> bool:
     return bool(across < SHEARED and np.linalg.det(axes) > 0.0)
 
 
-def _moved(static: SceneMesh, place: Array) -> SceneMesh:
-    """Move the vertices of a mesh to a place."""
+def _moved(static: SceneMesh, k: int) -> SceneMesh:
+    """Move the vertices of a mesh to its place k, in the colours that it has there."""
+    place, colors = static.places[k], static.colors * static.tints[k]
+    if (place == np.eye(4)).all():
+        return static._replace(colors=colors)
     normals = static.normals @ np.linalg.inv(place[:3, :3])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     turned = np.linalg.det(place[:3, :3]) < 0.0
     return static._replace(
         points=static.points @ place[:3, :3].T + place[:3, 3],
         normals=normals,
+        colors=colors,
         triangles=static.triangles[:, ::-1] if turned else static.triangles,
+    )
+
+
+def _merged(kind: str, pieces: Sequence[SceneMesh]) -> SceneMesh:
+    """Make one mesh of pieces that are in their places."""
+    first = np.cumsum([0, *(len(piece.points) for piece in pieces[:-1])])
+    triangles = [piece.triangles + k for piece, k in zip(pieces, first, strict=True)]
+    return pieces[0]._replace(
+        name=kind,
+        points=np.concatenate([piece.points for piece in pieces]),
+        normals=np.concatenate([piece.normals for piece in pieces]),
+        colors=np.concatenate([piece.colors for piece in pieces]),
+        triangles=np.concatenate(triangles),
     )
 
 
@@ -267,14 +292,6 @@ def _parted(places: Array, grid: PositionGrid) -> tuple[Array, Array, Array]:
     turn = from_matrix(turned / size[:, None])
     way = way + turned @ grid.middle
     return way, gltf.ordered(np.asarray(turn)), size * (grid.half or 1.0)
-
-
-def _place(way: Array, turn: Array, size: Array, k: int) -> gltf.Json:
-    """Return the properties of a node at place k, but those that say nothing."""
-    known = {"translation": (way, 0.0), "scale": (size, 1.0), "rotation": (turn, (0, 0, 0, 1))}
-    return {
-        name: value[k].tolist() for name, (value, idle) in known.items() if (value[k] != idle).any()
-    }
 
 
 class _FittedSpecies:
@@ -317,10 +334,16 @@ def _check(out: Path, options: SceneOptions) -> None:
 
 
 def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
-    """Estimate the bytes of fishes and their textures."""
+    """Estimate the bytes of fishes, their textures, and what does not move."""
     frames, fishes, kind = extent.frames, extent.fishes, options.compress
     mesh = VERTEX * extent.vertices + TRIANGLE * extent.triangles
     fixed, moved = extent.species * (SHEET[kind] + mesh), fishes * frames * extent.vertices
+    still, (vertex, triangle) = extent.still or StillExtent(), STILL[kind]
+    vertices, triangles = still.vertices, still.triangles
+    if options.instances:
+        vertices, triangles = still.shapes
+        fixed += INSTANCE * still.copies
+    fixed += vertex * vertices + triangle * triangles
     if options.vat:
         return fixed + int(PACKED * 12 * moved)
     if options.morph:

@@ -30,6 +30,7 @@ from subsea.export.scene import (
     SceneMesh,
     ScenePoses,
     SceneWriter,
+    extent_of_meshes,
 )
 from subsea.export.statics import moment_of, static_meshes
 from subsea.fish.mesh import DETAILS, fish_mesh
@@ -122,7 +123,10 @@ def export_scene(target: str, film: SceneFilmOptions, options: SceneOptions) -> 
 
 
 def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: None) -> Scene:
-    """Record the scene of `film`; `announce` gets its extent before the work and may raise."""
+    """Record the scene of `film`; `announce` gets its extent and may raise.
+
+    It is called before any work, and again when what does not move is known.
+    """
     record = None
     if film.record is not None:
         film, record = _replay_of(film, film.record)
@@ -138,7 +142,8 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
         seconds = max(float(record.time[-1]) - record.tick_s - film.start, 0.0)
     rate = frame_rate(film.fps)
     times = instants(film.start, seconds, rate)
-    announce(_extent(scenario, len(times), film.detail))
+    extent = _extent(scenario, len(times), film.detail)
+    announce(extent)
     compute_context()  # without OpenGL, say so before the work
     world = ready_world(film.loaded, film.seed, fish=film.fish)
     # Nobody steers in `subsea simulate`.
@@ -148,6 +153,7 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
         alpha = reach(world, times[0], steer, check, after=after)
     eye = cockpit(world.state.submarine, alpha).eye
     statics = static_meshes(world, film.groups, film.detail, moment_of(world, alpha, eye))
+    announce(extent._replace(still=extent_of_meshes(statics)))
     takes, camera = record_frames(world, times, steer, follow, float(rate), film.size, after)
     return make_scene(source.stem, world, takes, camera, statics, film, float(rate))
 
@@ -311,7 +317,7 @@ def _cast(
 
 
 def _extent(scenario: Scenario, frames: int, detail: int) -> SceneExtent:
-    """Measure a scene before any work."""
+    """Measure the fishes of a scene before any work."""
     mesh = fish_mesh(DETAILS[detail])
     return SceneExtent(
         frames=frames,
@@ -323,7 +329,7 @@ def _extent(scenario: Scenario, frames: int, detail: int) -> SceneExtent:
 
 
 def _announce(extent: SceneExtent, writer: SceneWriter, options: SceneOptions) -> None:
-    """Print the estimated size; a UserError beyond the limit."""
+    """Print the estimated size once all is known; a UserError beyond the limit."""
     estimated = writer.estimate(extent, options)
     what = (
         f"{count_noun(extent.fishes, 'fish', 'fishes')} in "
@@ -334,7 +340,8 @@ def _announce(extent: SceneExtent, writer: SceneWriter, options: SceneOptions) -
             f"{what}, more than {_bytes(LIMIT_BYTES)}: give --force, or fewer --seconds, --fps, "
             "--fish or a coarser --detail"
         )
-    say(what)
+    if extent.still is not None:
+        say(what)
 
 
 def _bytes(number: int) -> str:

@@ -4,14 +4,18 @@ All lengths are in cm, in the world of the dive: x and y level, z up. `conventio
 positions and rotations to the axes of other programs.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.export.clips import Model, Surface
+from subsea.export.conventions import METRES, WORLD_Y_UP, to_metres
 from subsea.export.options import SceneOptions
+from subsea.habitat.stone import sun_at
 from subsea.scenario.schema import Grade, Water
 
 
@@ -44,7 +48,8 @@ class SceneCamera(NamedTuple):
 class SceneMesh(NamedTuple):
     """A mesh of n vertices that does not move, once or at k places."""
 
-    name: str  # unique in a scene, such as "sand" or "coral_brain_2_0"
+    name: str  # unique in a scene, such as "sand" or "brain_2_0"
+    kind: str  # what it is, such as "stone" or "brain"
     group: str  # one of GROUPS
     points: Array  # (n, 3) cm
     normals: Array  # (n, 3)
@@ -90,6 +95,21 @@ class Scene:
     grade: Grade
     captions: tuple[str, ...]  # (T) of the scenario's directions, "" for none
 
+    def light(self) -> dict[str, Any]:
+        """Describe sun and water in constants, for shaders and volumes of other programs.
+
+        `toSun` is a unit vector in the water, x, y up and z; `farWater` linear red, green and
+        blue of what lies beyond sight. Contrast falls to 2% at `visibilityMetres`, and light to
+        1/e at `lightDepthMetres`.
+        """
+        toward = to_metres(np.array(sun_at(self.water.hour)[0]), WORLD_Y_UP) / METRES
+        return {
+            "toSun": np.round(toward, 6).tolist(),
+            "farWater": [float(part) for part in self.water.far],
+            "visibilityMetres": METRES * self.water.visibility_cm,
+            "lightDepthMetres": METRES * self.water.light_depth_cm,
+        }
+
     def points(
         self, fish: int, first: int | None = None, last: int | None = None
     ) -> tuple[Array, Array]:
@@ -116,14 +136,35 @@ class Scene:
             yield first, points / known.scale, normals
 
 
+class StillExtent(NamedTuple):
+    """The size of meshes that do not move."""
+
+    vertices: int = 0
+    triangles: int = 0
+    copies: int = 0  # places of meshes that have several ...
+    shapes: tuple[int, int] = (0, 0)  # ... and vertices and triangles if each is stored once
+
+
 class SceneExtent(NamedTuple):
-    """The size of a scene before it is recorded."""
+    """The size of a scene before its frames are recorded."""
 
     frames: int
     fishes: int
     species: int
     vertices: int  # of the mesh of each fish
     triangles: int  # likewise
+    still: StillExtent | None = None  # not known yet
+
+
+def extent_of_meshes(statics: Iterable[SceneMesh]) -> StillExtent:
+    """Measure meshes that do not move."""
+    sizes = [(len(one.places), len(one.points), len(one.triangles)) for one in statics]
+    return StillExtent(
+        vertices=sum(places * points for places, points, _ in sizes),
+        triangles=sum(places * triangles for places, _, triangles in sizes),
+        copies=sum(places for places, _, _ in sizes if places > 1),
+        shapes=(sum(points for _, points, _ in sizes), sum(last for _, _, last in sizes)),
+    )
 
 
 class SceneWriter(NamedTuple):
@@ -132,7 +173,7 @@ class SceneWriter(NamedTuple):
     # (out, options) before any work: UserError for a wrong suffix, a missing extra, options of
     # other formats, and files that may not be replaced.
     check: Callable[[Path, SceneOptions], None]
-    # (extent, options) -> bytes of all fishes and their textures, within a factor of 1.5.
+    # (extent, options) -> bytes of all files, within a fifth beyond a few megabytes.
     estimate: Callable[[SceneExtent, SceneOptions], int]
     # (scene, out, options) -> the written files. Nothing is left half-written.
     write: Callable[[Scene, Path, SceneOptions], list[Path]]

