@@ -9,6 +9,7 @@ const FAR_M = 200, NEAR_M = 0.02;
 const STEP_S = 0.1; // of the time slider by keys
 const HOVER_MS = 100; // between looks at what is under the pointer
 const CLICK_PX = 6; // a longer way is a drag
+const SEAM_S = 0.5; // a scene that repeats fades out before its end, and in after its begin
 
 const part = id => document.getElementById(id);
 let words = {};
@@ -182,6 +183,7 @@ class Viewer {
     this.playing = on;
     part("play").textContent = on ? words.pause : words.play;
     part("play").setAttribute("aria-pressed", String(on));
+    this.dirty = true; // a picture that stands is whole
   }
 
   // Show a moment, in seconds since the scene begins.
@@ -265,10 +267,17 @@ class Viewer {
     if (this.flight.view === "film") this.back();
     this.camera.updateMatrixWorld();
     this.water.see(this.camera.position, this.about.start_s + this.seconds);
+    part("sea").style.opacity = this.shown();
     this.fishes.cull(this.camera);
     this.renderer.render(this.scene, this.camera);
     this.label();
     this.dirty = this.flight.moved = false;
+  }
+
+  // The opacity of the picture: the seam of a scene that repeats is hidden in the colour of the page.
+  shown() {
+    if (!this.playing || this.length < 4 * SEAM_S) return 1;
+    return Math.min(this.seconds / SEAM_S, (this.length - this.seconds) / SEAM_S, 1).toFixed(3);
   }
 
   frame(now) {
@@ -287,6 +296,8 @@ class Viewer {
 }
 
 async function main() {
+  // In a frame of another page: the sea alone.
+  document.body.classList.toggle("bare", new URLSearchParams(location.search).has("embed"));
   const about = await (await fetched("scene.json")).json();
   speak(about);
   part("file").textContent = words.download.replace("{size}", megabytes(about.bytes));

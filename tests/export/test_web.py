@@ -253,6 +253,23 @@ def test_it_plays_shows_captions_and_looks_from_other_places(opened):
     assert opened.run(eye) == pytest.approx(filmed)
 
 
+def test_in_a_frame_it_has_no_bars(page, site):
+    page.open(f"{site}?embed")
+    page.until("window.viewer !== undefined")
+    for one in ("header", "nav", "footer"):
+        assert page.run(f"document.querySelector('{one}').offsetParent === null"), one
+        assert page.run(f"document.querySelector('{one}').getBoundingClientRect().height") == 0
+    assert page.run("document.getElementById('sea').clientHeight") == SIZE[1]
+
+
+def test_a_scene_that_repeats_fades_over_its_seam(opened):
+    opened.run("viewer.length = 4; viewer.playing = true")
+    shown = [float(opened.run(f"viewer.seconds = {at}, viewer.shown()")) for at in (0, 0.25, 2, 4)]
+    assert shown == [0.0, 0.5, 1.0, 0.0]
+    opened.run("viewer.playing = false")
+    assert float(opened.run("viewer.seconds = 4, viewer.shown()")) == 1.0
+
+
 def test_it_speaks_the_language_of_the_browser(page, site):
     agent = page.run("navigator.userAgent")
     try:
