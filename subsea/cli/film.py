@@ -87,9 +87,9 @@ def add(commands: Any) -> None:
     )
     blur.add_argument(
         "--focus",
-        type=number_reader(float, 10.0, 10000.0),
+        type=_focus,
         metavar="CM",
-        help="distance that is in focus (default 300)",
+        help="distance that is in focus, or `fish` for that of the followed fish (default 300)",
     )
     group = parser.add_argument_group(
         "what a fish sees",
@@ -110,6 +110,11 @@ def add(commands: Any) -> None:
     )
     shared.add(group, "see-brightness")
     parser.set_defaults(run=run)
+
+
+def _focus(text: str) -> float:
+    """Read the distance of --focus, cm; 0 stands for that of the followed fish."""
+    return 0.0 if text == "fish" else float(number_reader(float, 10.0, 10000.0)(text))
 
 
 def run(options: Namespace) -> int:
@@ -134,6 +139,8 @@ def _exposure(options: Namespace) -> "Exposure":
     from subsea.media.exposure import Exposure
     from subsea.view.display_rigs import SURROUNDS
 
+    if options.focus == 0.0 and options.follow is None:
+        raise UserError("film: --focus fish needs --follow FISH")
     if (options.samples or 1) == 1:
         shared.refuse(options, BLUR[1:], "film: {} needs --samples N, of 2 or more")
     if options.display in SURROUNDS:

@@ -16,6 +16,7 @@ from subsea.base.arrays import Bytes
 from subsea.fish.raster import from_srgb, to_srgb
 from subsea.view.camera import View
 
+NEAREST_CM = 10.0  # in focus
 EVENLY = 0.7548776662466927, 0.5698402909980532
 """Steps that spread points evenly over a square, in no order of time (Roberts' R2 sequence)."""
 
@@ -26,12 +27,17 @@ class Exposure(NamedTuple):
     samples: int = 1  # pictures of a frame
     shutter: float = 0.5  # share of the time between two frames for which it is open
     aperture_cm: float = 0.0  # diameter of the lens; 0: everything is sharp
-    focus_cm: float = 300.0  # distance of the plane in focus from the eye, along the view
+    # Distance of the plane in focus from the eye, along the view; 0: that of the followed fish.
+    focus_cm: float = 300.0
 
     def instants(self, instant: float, interval_s: float) -> list[float]:
         """The times of the pictures of a frame at `instant`, s."""
         step = self.shutter * interval_s / self.samples
         return [instant + k * step for k in range(self.samples)]
+
+    def focused(self, away_cm: float) -> "Exposure":
+        """Return the exposure whose focus is on the followed fish, `away_cm` along the view."""
+        return self._replace(focus_cm=max(away_cm, NEAREST_CM)) if self.focus_cm == 0.0 else self
 
     def through_lens(self, views: tuple[View, ...], sample: int) -> tuple[View, ...]:
         """The views of a picture, each from its point of the lens; those in focus do not move."""

@@ -57,7 +57,7 @@ from subsea.submarine.vessel import course_of
 from subsea.view.display_rigs import chosen_rig, cockpit, theatre_digest
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state
-from subsea.view.retina import AHEAD, FIELD_DEG, Gaze
+from subsea.view.retina import AHEAD, FIELD_DEG, Gaze, bodies_at
 from subsea.view.rig import CameraPose, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
@@ -327,6 +327,7 @@ def film(options: TourFilmOptions) -> int:
             wanted = set(missing)
             camera: FollowCamera | None = None
             observer: CameraPose | None = None
+            exposure = options.exposure
 
             def listen() -> None:
                 if sound is not None:
@@ -348,7 +349,9 @@ def film(options: TourFilmOptions) -> int:
                         memory = empty_lod_state(len(world.state.fishes.species))
                     if fish is not None and world.state.fishes.alive[fish]:
                         camera, observer = follow_fish(world, fish, alpha, camera)
-                    seen = options.exposure.through_lens(views(rig, observer), sample)
+                        gap = bodies_at(world, fish, alpha)[0] - observer.eye
+                        exposure = options.exposure.focused(float(gap @ observer.forward))
+                    seen = exposure.through_lens(views(rig, observer), sample)
                     drawing = diagrams.draw(show, seen, alpha)
                     packet = pack(
                         world, seen, alpha, options=preset.packing,

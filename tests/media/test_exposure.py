@@ -7,9 +7,15 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from subsea.cli.main import main
+from subsea.dive.directed_camera import tour_steering
+from subsea.dive.start import ready_world
 from subsea.media.exposure import LIGHT, Exposure, MeanPictures
+from subsea.media.film import reach
+from subsea.scenario.load import load_scenario
 from subsea.view.camera import View, look
 from subsea.view.display_rigs import display_rig
+from subsea.view.follow import follow_fish
+from subsea.view.retina import bodies_at
 from subsea.view.rig import pose_from_angles, views
 from tests.support.scenes import BARE
 
@@ -102,6 +108,30 @@ def test_a_blurred_picture_is_as_bright_and_smoother(tmp_path):
     assert edges[1] < 0.8 * edges[0]
 
 
+@pytest.mark.usefixtures("one_context")
+def test_the_followed_fish_is_in_focus(tmp_path, monkeypatch):
+    """With a lens so wide that nothing else is sharp, it lies where it does for a pinhole."""
+    found = []
+    through_lens = Exposure.through_lens
+
+    def recorded(exposure, seen, sample):
+        found.append(exposure.focus_cm)
+        return through_lens(exposure, seen, sample)
+
+    monkeypatch.setattr(Exposure, "through_lens", recorded)
+    words = ["--scenario", str(BARE), "--size", "96x64", "--seconds", "0.3", "--follow", "0"]
+    blur = ["--samples", "2", "--aperture", "3", "--focus", "fish"]
+    assert main(["film", str(tmp_path / "near.png"), *words, *blur]) == 0
+    away = []
+    world = ready_world(load_scenario(str(BARE)), None)
+    alpha = reach(world, 0.3, tour_steering(world, "auto"), lambda: None)
+    _, pose = follow_fish(world, 0, alpha, None)
+    away = (bodies_at(world, 0, alpha)[0] - pose.eye) @ pose.forward
+    assert found[0] == pytest.approx(away, rel=0.02)
+    assert Exposure(focus_cm=70.0).focused(20.0).focus_cm == 70.0
+    assert Exposure(focus_cm=0.0).focused(2.0).focus_cm == 10.0
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -109,6 +139,8 @@ def test_a_blurred_picture_is_as_bright_and_smoother(tmp_path):
         (["--samples", "1", "--focus", "90"], "film: --focus needs --samples N, of 2 or more"),
         (["--samples", "4", "--aperture", "2", "--display", "dome"],
          "film: --aperture is not for --display dome"),
+        (["--samples", "4", "--focus", "fish"], "film: --focus fish needs --follow FISH"),
+        (["--samples", "4", "--focus", "cod"], "argument --focus"),
         (["--samples", "0"], "argument --samples"),
         (["--samples", "4", "--eyes", "0"], "film: --samples cannot be combined with --eyes"),
     ],
