@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.base.command_line import add_command, add_force
+from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
 from subsea.base.files import check_folder
 from subsea.base.progress import print_line
@@ -33,7 +34,8 @@ def add(commands: Any) -> None:
         "but no display. Formats:\n"
         "  gltf  glTF 2.0 with a fitted skeleton, or exact with --morph: OUT/SPECIES.glb\n"
         "  vat   vertex animation texture (OpenVAT) for game engines: OUT/SPECIES_vat/\n"
-        "  usd   USD stage with points in each frame: OUT/SPECIES.usdc; needs the extra `usd`",
+        "  usd   USD stage with points in each frame, or --skeleton: OUT/SPECIES.usdc; needs the\n"
+        "        extra `usd`",
         [
             "subsea-capture export fusilier --to gltf",
             "subsea-capture export fusilier --to vat --out game/Assets",
@@ -57,6 +59,11 @@ def add(commands: Any) -> None:
     )
     add_detail(parser, 0)
     add_gltf(parser)
+    parser.add_argument(
+        "--skeleton",
+        action="store_true",
+        help="usd: a skeleton (UsdSkel) instead of points in each frame",
+    )
     add_force(parser)
     parser.set_defaults(run=run)
 
@@ -65,13 +72,13 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from subsea.export.clips import make_clips
 
+    if options.skeleton and options.to != "usd":
+        raise UserError(f"--skeleton is for --to usd, not {options.to}")
     if options.to == "usd":
         require("usd", "USD")
         from subsea.export.usd import usd_files as files_of
-        from subsea.export.usd import write_usd as write
     elif options.to == "vat":
         from subsea.export.vat import vat_files as files_of
-        from subsea.export.vat import write_vat as write
     else:
         from subsea.export.gltf import gltf_files as files_of
 
@@ -82,28 +89,47 @@ def run(options: argparse.Namespace) -> int:
         check_result(path, KINDS[path.suffix], options.force)
     if options.to == "gltf":
         return _export_gltf(options, model, clips)
-    for path in write(options.out, model, clips, options.root == "baked"):
-        print_line(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
+    baked, notes = options.root == "baked", {}
+    if options.to == "vat":
+        from subsea.export.vat import write_vat
+
+        files = write_vat(options.out, model, clips, baked)
+    else:
+        from subsea.export.usd import add_points, write_usd
+        from subsea.export.usd_skeleton import add_skinned
+
+        add_meshes, told = add_points, "exact"
+        if options.skeleton:
+            rig, told = _fitted(model, clips)
+            add_meshes = partial(add_skinned, rig=rig)
+        files = write_usd(options.out, model, clips, baked, add_meshes)
+        notes[files[0]] = f", {told}"
+    for path in files:
+        print_line(f"{path}: {path.stat().st_size / 1e6:.1f} MB{notes.get(path, '')}")
     return 0
 
 
-def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
+def _fitted(model: Any, clips: Any) -> tuple[Any, str]:
+    """Fit a skeleton to all clips; return it, and what is to be said of its error."""
     from tqdm import tqdm
 
     from subsea.export.clips import all_points
-    from subsea.export.glb import packing_of
-    from subsea.export.gltf import write_gltf
     from subsea.export.skinning import fit_skeleton
 
+    bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
+    rig = fit_skeleton(model, all_points(clips), bar)
+    return rig, (
+        f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
+        f"length (rms), {rig.most_percent:.2f}% at most"
+    )
+
+
+def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
+    from subsea.export.glb import packing_of
+    from subsea.export.gltf import write_gltf
+
     packing = packing_of(options.compress)
-    rig, told = None, "exact"
-    if not options.morph:
-        bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
-        rig = fit_skeleton(model, all_points(clips), bar)
-        told = (
-            f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
-            f"length (rms), {rig.most_percent:.2f}% at most"
-        )
+    rig, told = (None, "exact") if options.morph else _fitted(model, clips)
     path = write_gltf(options.out, model, clips, options.root == "baked", rig, packing)
     print_line(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
     return 0

@@ -24,8 +24,7 @@ from subsea.export.conventions import (
     to_metres,
 )
 from subsea.export.skin_material import metal_image, roughness
-from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
-from subsea.geometry.rotation import from_matrix, matrix
+from subsea.export.skinning import Joint, Skeleton, clip_motions, local_motion, strongest
 
 Json = dict[str, Any]
 
@@ -179,9 +178,7 @@ def add_vertices(buffer: glb.GlbBuffer, model: Model, grid: glb.PositionGrid) ->
 
 def add_weights(buffer: glb.GlbBuffer, rig: Skeleton) -> Json:
     """Add joints and weights of the vertices; joint 0 is the root and has no weight."""
-    most = np.argsort(-rig.weights, axis=1)[:, :MAX_INFLUENCES]
-    weights = np.take_along_axis(rig.weights, most, axis=1).astype(np.float32)
-    weights /= weights.sum(axis=1, keepdims=True)
+    most, weights = strongest(rig.weights)
     stored = buffer.packing.weights(weights)
     joints = np.where(stored.values > 0, most + 1, 0).astype(np.uint8)
     return {
@@ -216,15 +213,8 @@ def joint_tracks(
 
     The motions are in cm and body axes.
     """
-    places = np.array([joint.place for joint in joints])
-    turn, place = motion[..., :3], motion[..., :3] @ places[:, :, None] + motion[..., 3:]
-    # Relative to the parents; row 0 stands for the root.
-    turns = np.concatenate([np.tile(np.eye(3), (len(turn), 1, 1, 1)), turn], axis=1)
-    parents = np.array([joint.parent + 1 for joint in joints])
-    back = turns[:, parents].swapaxes(2, 3)
-    origin = np.pad(place, ((0, 0), (1, 0), (0, 0), (0, 0)))[:, parents]
-    turn, place = from_matrix(back @ turn), (back @ (place - origin))[..., 0]
-    step = STEP * float(np.ptp(places[:, 0]) * 0.01)
+    turn, place = local_motion(joints, motion)
+    step = STEP * float(np.ptp([joint.place[0] for joint in joints]) * 0.01)
     tracks = []
     for k in range(len(joints)):
         ways = pack.lengths(to_metres(place[:, k], Y_UP), step)
@@ -232,14 +222,6 @@ def joint_tracks(
         tracks.append(KeyTrack(first + k, "translation", ways, times))
         tracks.append(KeyTrack(first + k, "rotation", turns_of, times))
     return tracks
-
-
-def carried(motion: Array, position: Array, rotation: Array) -> Array:
-    """Move rigid motions (T, J, 3, 4) by the path of a root, (T, 3) and (T, 4)."""
-    whole = matrix(rotation)[:, None]
-    out = whole @ motion
-    out[..., 3] += position[:, None]
-    return np.asarray(out)
 
 
 def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[KeyTrack]:
@@ -332,14 +314,7 @@ def _add_skinned(
     mesh = file.mesh(model.name, model, attributes, 0)
     # A root of the scene: a skinned mesh moves with its joints alone.
     file.node({"name": model.name, "mesh": mesh, "skin": 0}, root=True)
-    begin = 0
-    for clip in clips:
-        motion = rig.motion[begin : begin + len(clip.points)].copy()
-        begin += len(clip.points)
-        if clip.cyclic:
-            motion[-1] = motion[0]
-        if baked:
-            motion = carried(motion, clip.position, clip.rotation)
+    for clip, motion in zip(clips, clip_motions(rig, clips, baked), strict=True):
         times = _times(file.buffer, clip)
         tracks = joint_tracks(file.buffer.packing, rig.joints, motion, first, times)
         _animate(file, clip, [*_root_tracks(clip, root, baked, times), *tracks])

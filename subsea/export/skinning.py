@@ -5,14 +5,15 @@ and weights of vertices are fitted alternately by least squares, to all frames o
 are not negative and sum to one; a vertex has at most four.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
-from subsea.export.clips import Model
+from subsea.export.clips import Clip, Model
+from subsea.geometry.rotation import from_matrix, matrix
 from subsea.kernels import kernel
 
 MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
@@ -69,6 +70,46 @@ def fit_skeleton(
     motion = motion.swapaxes(1, 2)
     off = off_percent(model, weights, motion, goal)
     return Skeleton(joints, weights, motion, float(np.sqrt((off**2).mean())), float(off.max()))
+
+
+def strongest(weights: Array) -> tuple[Ints, Array]:
+    """Return the joints (n, 4) with the greatest weights of vertices, and these, of sum 1."""
+    most = np.argsort(-weights, axis=1)[:, :MAX_INFLUENCES]
+    kept = np.take_along_axis(weights, most, axis=1).astype(np.float32)
+    kept /= kept.sum(axis=1, keepdims=True)
+    return most, kept
+
+
+def local_motion(joints: Sequence[Joint], motion: Array) -> tuple[Array, Array]:
+    """Compute rotations (T, J, 4) and places (T, J, 3), cm, of joints relative to their parents.
+
+    `motion` (T, J, 3, 4) is rigid, in body axes, as in `Skeleton`.
+    """
+    places = np.array([joint.place for joint in joints])
+    turn, place = motion[..., :3], motion[..., :3] @ places[:, :, None] + motion[..., 3:]
+    # Row 0 stands for the root.
+    turns = np.concatenate([np.tile(np.eye(3), (len(turn), 1, 1, 1)), turn], axis=1)
+    parents = np.array([joint.parent + 1 for joint in joints])
+    back = turns[:, parents].swapaxes(2, 3)
+    origin = np.pad(place, ((0, 0), (1, 0), (0, 0), (0, 0)))[:, parents]
+    return from_matrix(back @ turn), (back @ (place - origin))[..., 0]
+
+
+def clip_motions(rig: Skeleton, clips: Sequence[Clip], baked: bool) -> Iterator[Array]:
+    """Yield the motion (T, J, 3, 4) of the joints in each of the clips that `rig` is fitted to.
+
+    A cycle ends as it begins. The path of the root is left out, or `baked` into the joints.
+    """
+    begin = 0
+    for clip in clips:
+        motion = rig.motion[begin : begin + len(clip.points)].copy()
+        begin += len(clip.points)
+        if clip.cyclic:
+            motion[-1] = motion[0]
+        if baked:
+            motion = matrix(clip.rotation)[:, None] @ motion
+            motion[..., 3] += clip.position[:, None]
+        yield motion
 
 
 def follow(model: Model, rig: Skeleton, goal: Array) -> Array:

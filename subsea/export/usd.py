@@ -253,23 +253,27 @@ def usd_files(folder: Path, name: str) -> list[Path]:
     return [folder / f"{name}.usdc", folder / f"{name}_basecolor.png"]
 
 
-def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> list[Path]:
+def add_points(
+    stage: Any, path: Any, model: Model, clips: list[Clip], looks: dict[str, Any], baked: bool
+) -> None:
+    """Define body and fins under `path`, with points and normals in every frame of all clips."""
+    clips = [bake_root(clip) for clip in clips] if baked else clips
+    for mesh, part in skin_meshes(stage, path, model, looks):
+        for clip, start in zip(clips, first_frames(clips), strict=True):
+            animate(mesh, part, zip(clip.points, clip.normals, strict=True), start)
+
+
+def write_usd(
+    folder: Path, model: Model, clips: list[Clip], baked: bool,
+    add_meshes: Callable[[Any, Any, Model, list[Clip], dict[str, Any], bool], None] = add_points,
+) -> list[Path]:  # fmt: skip
     """Write the stage NAME.usdc and its texture into `folder`; return both files.
 
-    The motion of the root is that of the model's prim, or `baked` into the points. UserError
-    if a file cannot be written.
+    `add_meshes` gives the model's prim its meshes and their motion. The motion of the root is that
+    of the prim, or `baked` into theirs. UserError if a file cannot be written.
     """
     file, sheet = usd_files(folder, model.name)
     stage = Usd.Stage.CreateInMemory(file.name)
-    _fill(stage, sheet.name, model, clips, baked)
-    with replacing(sheet) as picture, stage_file(file) as place:
-        picture.write_bytes(sheet_png(model.sheet))
-        stage.GetRootLayer().Export(str(place))
-    return [file, sheet]
-
-
-def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) -> None:
-    """Author the whole stage."""
     first = first_frames(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
     spans = {
@@ -279,12 +283,14 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
     set_up(stage, clips[0].fps, last[-1], [model.name], clips=spans)
     root = define(stage, f"/{identifier(model.name)}", "component")
     stage.SetDefaultPrim(root.GetPrim())
-    clips = [bake_root(clip) for clip in clips] if baked else clips
     if not baked:
         place = np.concatenate([clip.position for clip in clips])
         turn = np.concatenate([clip.rotation for clip in clips])
         move(root, to_metres(place, Y_UP), rotate_quaternions(turn, Y_UP))
-    looks = skin_materials(stage, root.GetPath().AppendChild("materials"), sheet, roughness(model))
-    for mesh, part in skin_meshes(stage, root.GetPath(), model, looks):
-        for clip, start in zip(clips, first, strict=True):
-            animate(mesh, part, zip(clip.points, clip.normals, strict=True), start)
+    folder_of_looks = root.GetPath().AppendChild("materials")
+    looks = skin_materials(stage, folder_of_looks, sheet.name, roughness(model))
+    add_meshes(stage, root.GetPath(), model, clips, looks, baked)
+    with replacing(sheet) as picture, stage_file(file) as part:
+        picture.write_bytes(sheet_png(model.sheet))
+        stage.GetRootLayer().Export(str(part))
+    return [file, sheet]

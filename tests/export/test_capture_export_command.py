@@ -36,6 +36,7 @@ def test_each_format_prints_a_line_for_each_file(tmp_path, capsys):
     for form, files in (
         ("vat", [f"fusilier_vat/{name}" for name in vat]),
         ("usd", ["fusilier.usdc", "fusilier_basecolor.png"]),
+        ("usd --skeleton", ["fusilier.usdc", "fusilier_basecolor.png"]),
         ("gltf", ["fusilier.glb"]),
         ("gltf --morph", ["fusilier.glb"]),
     ):
@@ -73,6 +74,7 @@ def test_wrong_commands_are_errors_of_one_line(capsys):
         (["fusilier", "--to", "vat", "--detail", "4"], "whole number from 0 to 3"),
         (["fusilier", "--to", "vat", "--root", "fixed"], "'fixed'"),
         (["fusilier", "--to", "usd", "--morph"], "--morph is for --to gltf"),
+        (["fusilier", "--to", "gltf", "--skeleton"], "--skeleton is for --to usd, not gltf"),
         (["fusilier", "--to", "gltf", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "usd", "--out", "/proc/none"], "/proc/none"),
