@@ -4,6 +4,8 @@ The system matrix is stored as a band. Tu packs its skyline, 126 of the band's 1
 constant width of a band lets the compiler vectorise the inner loops, which outweighs the zeros
 four times. Rows beyond the last node are padding, so that no loop has to test for the end.
 
+The source serves one body (arrays of floats) and several at once (arrays of `kernels.lanes`).
+
 The stability limit of the time step, from the material of a body.
 
 At rest the effective stiffness of the units is zero, so a step is symplectic Euler with damping at
@@ -12,6 +14,7 @@ definite while 4 M - h² K - 2 h C is, for the stiffness K and the damping C at 
 step h the stiffest mode grows. Water only dissipates energy.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +38,7 @@ from subsea.biomechanics.reactive_water import (
 )
 from subsea.biomechanics.water import add_water_force
 from subsea.kernels import kernel
+from subsea.kernels.lanes import first, room, zero_of
 
 STEP = 0.055  # time step in tu (Tu §4.5.2): 5.5 ms
 STEPS_PER_TICK = 6  # steps between two recorded frames
@@ -61,8 +65,8 @@ def factorize(band: Floats) -> float:
     holds 1/D. Returns the smallest pivot of D: at or below zero the matrix was not positive
     definite and the factors are meaningless.
     """
-    smallest = np.inf
-    column = np.empty(HALF_BANDWIDTH + 1)
+    smallest = zero_of(band) + np.inf
+    column = room((HALF_BANDWIDTH + 1,), band)
     for i in range(len(band) - HALF_BANDWIDTH):
         pivot = band[i, 0]
         smallest = min(smallest, pivot)
@@ -102,26 +106,31 @@ def couple_sections(
     (Woodbury). ``band`` holds the factors of A and ``load`` (30, 3) the right-hand side.
     """
     nodes, sections = len(band) - HALF_BANDWIDTH, len(kept)
-    for i in range(nodes):
-        for k in range(1, HALF_BANDWIDTH + 1):
-            factor = band[i, k]
-            for c in range(sections):
-                columns[i + k, c] -= factor * columns[i, c]
-    _forward(band, load)
-    # Matrix and right-hand side of the pushes along the normals; then Cholesky.
-    matrix = np.zeros((sections, sections))
-    push = np.zeros(sections)
-    scaled = np.zeros(sections)
+    # A column is zero before its ring, which begins at node 1 + 4 c.
     for i in range(1, nodes):
-        for c in range(sections):
-            scaled[c] = columns[i, c] * band[i, 0]
-        for c in range(sections):
-            for d in range(sections):
-                matrix[c, d] += scaled[c] * columns[i, d]
-            along = normal[c, 0] * load[i, 0] + normal[c, 1] * load[i, 1]
-            push[c] += scaled[c] * (along + normal[c, 2] * load[i, 2])
+        for c in range((i + 3) // 4):
+            value = columns[i, c]
+            for back in range(min(HALF_BANDWIDTH, i - 1 - 4 * c), 0, -1):
+                value -= band[i - back, back] * columns[i - back, c]
+            columns[i, c] = value
+    _forward(band, load)
+    # Matrix (its lower triangle) and right-hand side of the pushes along the normals; then
+    # Cholesky.
+    matrix, push = room((sections, sections), band), room((sections,), band)
     for c in range(sections):
-        for d in range(sections):
+        push[c] = 0.0
+        for d in range(c + 1):
+            matrix[c, d] = 0.0
+    for i in range(1, nodes):
+        inverse = band[i, 0]
+        for c in range((i + 3) // 4):
+            scaled = columns[i, c] * inverse
+            for d in range(c + 1):
+                matrix[c, d] += scaled * columns[i, d]
+            along = normal[c, 0] * load[i, 0] + normal[c, 1] * load[i, 1]
+            push[c] += scaled * (along + normal[c, 2] * load[i, 2])
+    for c in range(sections):
+        for d in range(c + 1):
             alike = normal[c, 0] * normal[d, 0] + normal[c, 1] * normal[d, 1]
             matrix[c, d] *= alike + normal[c, 2] * normal[d, 2]
         matrix[c, c] += 1.0 / resistance[c]
@@ -129,7 +138,7 @@ def couple_sections(
         for d in range(c):
             matrix[c, c] -= matrix[c, d] * matrix[c, d]
             push[c] -= matrix[c, d] * push[d]
-        matrix[c, c] = np.sqrt(matrix[c, c])
+        matrix[c, c] = math.sqrt(matrix[c, c])
         push[c] /= matrix[c, c]
         for row in range(c + 1, sections):
             for d in range(c):
@@ -141,7 +150,7 @@ def couple_sections(
         push[c] /= matrix[c, c]
     for c in range(sections):
         px, py, pz = push[c] * normal[c, 0], push[c] * normal[c, 1], push[c] * normal[c, 2]
-        for i in range(1, nodes):
+        for i in range(1 + 4 * c, nodes):
             load[i, 0] -= columns[i, c] * px
             load[i, 1] -= columns[i, c] * py
             load[i, 2] -= columns[i, c] * pz
@@ -151,20 +160,23 @@ def couple_sections(
 @kernel
 def _forward(band: Floats, load: Floats) -> None:
     """Solve L X = G in place."""
-    for i in range(len(band) - HALF_BANDWIDTH):
+    for i in range(1, len(band) - HALF_BANDWIDTH):
         x, y, z = load[i, 0], load[i, 1], load[i, 2]
-        for k in range(1, HALF_BANDWIDTH + 1):
-            factor = band[i, k]
-            load[i + k, 0] -= factor * x
-            load[i + k, 1] -= factor * y
-            load[i + k, 2] -= factor * z
+        for back in range(min(HALF_BANDWIDTH, i), 0, -1):
+            factor = band[i - back, back]
+            x -= factor * load[i - back, 0]
+            y -= factor * load[i - back, 1]
+            z -= factor * load[i - back, 2]
+        load[i, 0], load[i, 1], load[i, 2] = x, y, z
 
 
 @kernel
 def _backward(band: Floats, load: Floats) -> None:
     """Solve D Lᵀ V = X in place."""
     nodes = len(band) - HALF_BANDWIDTH
-    load[nodes:] = 0.0
+    for i in range(nodes, len(load)):
+        for axis in range(3):
+            load[i, axis] = 0.0
     for i in range(nodes - 1, -1, -1):
         inverse = band[i, 0]
         x, y, z = load[i, 0] * inverse, load[i, 1] * inverse, load[i, 2] * inverse
@@ -198,16 +210,16 @@ def assemble(
         i, j = units[s, 0], units[s, 1]
         rx, ry, rz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         squared = rx * rx + ry * ry + rz * rz
-        inverse = 1.0 / np.sqrt(squared)
+        inverse = 1.0 / math.sqrt(squared)
         distance = squared * inverse
         ratio = distance / length[s]
         strain[0] = min(strain[0], ratio)
         strain[1] = max(strain[1], ratio)
-        rest = muscle[s] if s < len(muscle) else length[s]
+        stretch = distance - muscle[s] if s < len(muscle) else distance - length[s]
         along = (
             (v[j, 0] - v[i, 0]) * rx + (v[j, 1] - v[i, 1]) * ry + (v[j, 2] - v[i, 2]) * rz
         ) * inverse
-        eta = (stiffness[s] * (distance - rest) + viscosity[s] * along) * inverse  # Tu eq. 4.1
+        eta = (stiffness[s] * stretch + viscosity[s] * along) * inverse  # Tu eq. 4.1
         load[i, 0] += eta * rx
         load[i, 1] += eta * ry
         load[i, 2] += eta * rz
@@ -216,10 +228,10 @@ def assemble(
         load[j, 2] -= eta * rz
         # Under compression eta is negative and could make A indefinite: leave out the implicit
         # part; the load has the full force.
-        if eta > 0.0:
-            band[i, 0] += eta * step
-            band[j, 0] += eta * step
-            band[i, j - i] -= eta * step
+        held = max(0.0, eta) * step
+        band[i, 0] += held
+        band[j, 0] += held
+        band[i, j - i] -= held
     for i in range(len(x)):
         inertia = material.mass[i] / step
         band[i, 0] += inertia
@@ -265,24 +277,35 @@ def advance_chain(
     material, kept = chain.material, chain.kept
     nodes, sections = len(x), len(kept)
     rows = nodes + HALF_BANDWIDTH
-    band = np.empty((rows, HALF_BANDWIDTH + 1))
-    load = np.zeros((rows, 3))
-    slender = material.sections.added[sections - 1] > 0.0
-    axes = np.empty((3, sections, 3))
-    tangent, normal, before = axes
-    columns = np.empty((rows, sections))
+    band, load = room((rows, HALF_BANDWIDTH + 1), x), room((rows, 3), x)
+    axes = room((3, sections, 3), x)
+    tangent, normal, before = axes[0], axes[1], axes[2]
+    columns, resistance = room((rows, sections), x), room((sections,), x)
+    slender = first(material.sections.added[sections - 1]) > 0.0
+    for i in range(rows):
+        for axis in range(3):
+            load[i, axis] = 0.0
     if slender:
-        section_frames(x - step * v, tangent, normal)
+        for i in range(nodes):
+            for axis in range(3):
+                load[i, axis] = x[i, axis] - step * v[i, axis]
+        section_frames(load, tangent, normal)
     for n in range(muscles.shape[0]):
-        band[:] = 0.0
-        load[:nodes] = force
+        for i in range(rows):
+            for k in range(HALF_BANDWIDTH + 1):
+                band[i, k] = 0.0
+        for i in range(nodes):
+            for axis in range(3):
+                load[i, axis] = force[i, axis]
         if slender:
-            before[:] = normal
+            for k in range(sections):
+                for axis in range(3):
+                    before[k, axis] = normal[k, axis]
             section_frames(x, tangent, normal)
-            resistance = add_section_forces(v, water, material.sections, kept, step, axes, load)
+            add_section_forces(v, water, material.sections, kept, step, axes, load, resistance)
         else:
             add_water_force(x, v, water, material.drag, load)
-        assemble(x, v, chain, muscles[n], step, band, load, watch[:2])
+        assemble(x, v, chain, muscles[n], step, band, load, watch)
         watch[2] = min(watch[2], factorize(band))
         if slender:
             section_means(columns)
@@ -291,8 +314,9 @@ def advance_chain(
             substitute(band, load)
         for i in range(nodes):
             for axis in range(3):
-                v[i, axis] = load[i, axis]
-                x[i, axis] += step * load[i, axis]
+                value = load[i, axis]
+                v[i, axis] = value
+                x[i, axis] += step * value
 
 
 ROUNDS = 4  # number of rounds. Two are exact to 1e-6 for a fish; extreme bodies may need more
