@@ -324,7 +324,8 @@ def simulate_with(triangles: Any, weights: Floats) -> Callable[..., Floats]:
     force = compile_(
         again(water.add_water_force.py_func, TRIANGLES=triangles, TRIANGLE_WEIGHTS=weights)
     )
-    chain = compile_(again(solver.advance_chain.py_func, add_water_force=force))
+    steps = compile_(again(solver.advance_solver.py_func, add_water_force=force))
+    chain = compile_(again(solver.advance_chain.py_func, advance_solver=steps))
     step = compile_(again(solver.advance.py_func, advance_chain=chain))
     frames = compile_(again(simulation.advance_frames.py_func, advance=step))
     with_defaults = again(simulation.simulate, advance_frames=frames)

@@ -18,6 +18,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
@@ -57,16 +58,47 @@ class Chain(NamedTuple):
     kept: Kept  # as in `add_section_forces`
 
 
+class Workspace(NamedTuple):
+    """Arrays that a step writes before it reads them, made once for many steps."""
+
+    band: Floats  # (30, 8) matrix A, then its factors
+    load: Floats  # (30, 3) G, then V
+    column: Floats  # (8,) of `factorize`
+    axes: Floats  # (3, 6, 3) tangents, normals and former normals of the sections
+    columns: Floats  # (30, 6) means of the sections, then L⁻¹ times these
+    resistance: Floats  # (6,)
+    matrix: Floats  # (6, 6)
+    push: Floats  # (6,) along the normals
+    scaled: Floats  # (30,) a column over D
+
+
+class Solver(NamedTuple):
+    """A chain, and the workspace of its steps."""
+
+    chain: Chain
+    workspace: Workspace
+
+
+@register_jitable  # type: ignore[untyped-decorator]
+def make_workspace(x: Floats, sections: int) -> Workspace:
+    """Make the workspace of a body, or of lanes, with nodes ``x`` (23, 3)."""
+    rows = len(x) + HALF_BANDWIDTH
+    return Workspace(
+        room((rows, HALF_BANDWIDTH + 1), x), room((rows, 3), x), room((HALF_BANDWIDTH + 1,), x),
+        room((3, sections, 3), x), room((rows, sections), x), room((sections,), x),
+        room((sections, sections), x), room((sections,), x), room((rows,), x),
+    )  # fmt: skip
+
+
 @kernel
-def factorize(band: Floats) -> float:
+def factorize(band: Floats, column: Floats) -> float:
     """Replace a banded matrix by its factors L and D (Tu eq. 4.12).
 
     ``band`` (30, 8) holds a_{i+k,i} at [i, k]. The unit diagonal of L is not stored; the diagonal
     holds 1/D. Returns the smallest pivot of D: at or below zero the matrix was not positive
-    definite and the factors are meaningless.
+    definite and the factors are meaningless. Overwrites ``column`` (8,).
     """
     smallest = zero_of(band) + np.inf
-    column = room((HALF_BANDWIDTH + 1,), band)
     for i in range(len(band) - HALF_BANDWIDTH):
         pivot = band[i, 0]
         smallest = min(smallest, pivot)
@@ -90,14 +122,7 @@ def substitute(band: Floats, load: Floats) -> None:
 
 
 @kernel
-def couple_sections(
-    band: Floats,
-    load: Floats,
-    columns: Floats,
-    normal: Floats,
-    resistance: Floats,
-    kept: Kept,
-) -> None:
+def couple_sections(workspace: Workspace) -> None:
     """Solve for V with the added mass and the cross-flow of the sections, in place.
 
     The matrix is A + Σ r_k (n_k ⊗ c_k)(n_k ⊗ c_k)ᵀ: the mean velocity c_k·V of section k along its
@@ -105,7 +130,10 @@ def couple_sections(
     for six columns c_k (``columns`` (30, 6), overwritten) and not for all of their products
     (Woodbury). ``band`` holds the factors of A and ``load`` (30, 3) the right-hand side.
     """
-    nodes, sections = len(band) - HALF_BANDWIDTH, len(kept)
+    band, load, columns = workspace.band, workspace.load, workspace.columns
+    normal, resistance = workspace.axes[1], workspace.resistance
+    matrix, push, scaled = workspace.matrix, workspace.push, workspace.scaled
+    nodes, sections = len(band) - HALF_BANDWIDTH, len(push)
     # A column is zero before its ring, which begins at node 1 + 4 c.
     for i in range(1, nodes):
         for c in range((i + 3) // 4):
@@ -116,23 +144,20 @@ def couple_sections(
     _forward(band, load)
     # Matrix (its lower triangle) and right-hand side of the pushes along the normals; then
     # Cholesky.
-    matrix, push = room((sections, sections), band), room((sections,), band)
     for c in range(sections):
-        push[c] = 0.0
+        nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
+        total = zero_of(band)
+        for i in range(1 + 4 * c, nodes):
+            scaled[i] = columns[i, c] * band[i, 0]
+            along = nx * load[i, 0] + ny * load[i, 1]
+            total += scaled[i] * (along + nz * load[i, 2])
+        push[c] = total
         for d in range(c + 1):
-            matrix[c, d] = 0.0
-    for i in range(1, nodes):
-        inverse = band[i, 0]
-        for c in range((i + 3) // 4):
-            scaled = columns[i, c] * inverse
-            for d in range(c + 1):
-                matrix[c, d] += scaled * columns[i, d]
-            along = normal[c, 0] * load[i, 0] + normal[c, 1] * load[i, 1]
-            push[c] += scaled * (along + normal[c, 2] * load[i, 2])
-    for c in range(sections):
-        for d in range(c + 1):
-            alike = normal[c, 0] * normal[d, 0] + normal[c, 1] * normal[d, 1]
-            matrix[c, d] *= alike + normal[c, 2] * normal[d, 2]
+            total = zero_of(band)
+            for i in range(1 + 4 * c, nodes):
+                total += scaled[i] * columns[i, d]
+            alike = nx * normal[d, 0] + ny * normal[d, 1]
+            matrix[c, d] = total * (alike + nz * normal[d, 2])
         matrix[c, c] += 1.0 / resistance[c]
     for c in range(sections):
         for d in range(c):
@@ -206,6 +231,7 @@ def assemble(
     """
     material, units = chain.material, chain.units
     length, stiffness, viscosity = material.length, material.stiffness, material.viscosity
+    least, greatest = strain[0], strain[1]
     for s in range(len(units)):
         i, j = units[s, 0], units[s, 1]
         rx, ry, rz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
@@ -213,8 +239,7 @@ def assemble(
         inverse = 1.0 / math.sqrt(squared)
         distance = squared * inverse
         ratio = distance / length[s]
-        strain[0] = min(strain[0], ratio)
-        strain[1] = max(strain[1], ratio)
+        least, greatest = min(least, ratio), max(greatest, ratio)
         stretch = distance - muscle[s] if s < len(muscle) else distance - length[s]
         along = (
             (v[j, 0] - v[i, 0]) * rx + (v[j, 1] - v[i, 1]) * ry + (v[j, 2] - v[i, 2]) * rz
@@ -232,6 +257,7 @@ def assemble(
         band[i, 0] += held
         band[j, 0] += held
         band[i, j - i] -= held
+    strain[0], strain[1] = least, greatest
     for i in range(len(x)):
         inertia = material.mass[i] / step
         band[i, 0] += inertia
@@ -274,13 +300,27 @@ def advance_chain(
 
     Only the hull of 23 nodes can be in Tu's water.
     """
+    solver = Solver(chain, make_workspace(x, len(chain.kept)))
+    advance_solver(x, v, solver, muscles, water, force, step, watch)
+
+
+@kernel
+def advance_solver(
+    x: Floats,
+    v: Floats,
+    solver: Solver,
+    muscles: Floats,
+    water: Floats,
+    force: Floats,
+    step: float,
+    watch: Floats,
+) -> None:
+    """Advance a body, or lanes, as `advance_chain`, in a workspace that exists."""
+    chain, workspace = solver
     material, kept = chain.material, chain.kept
-    nodes, sections = len(x), len(kept)
-    rows = nodes + HALF_BANDWIDTH
-    band, load = room((rows, HALF_BANDWIDTH + 1), x), room((rows, 3), x)
-    axes = room((3, sections, 3), x)
+    band, load, axes = workspace.band, workspace.load, workspace.axes
     tangent, normal, before = axes[0], axes[1], axes[2]
-    columns, resistance = room((rows, sections), x), room((sections,), x)
+    nodes, rows, sections = len(x), len(load), len(kept)
     slender = first(material.sections.added[sections - 1]) > 0.0
     for i in range(rows):
         for axis in range(3):
@@ -302,14 +342,16 @@ def advance_chain(
                 for axis in range(3):
                     before[k, axis] = normal[k, axis]
             section_frames(x, tangent, normal)
-            add_section_forces(v, water, material.sections, kept, step, axes, load, resistance)
+            add_section_forces(
+                v, water, material.sections, kept, step, axes, load, workspace.resistance
+            )
         else:
             add_water_force(x, v, water, material.drag, load)
         assemble(x, v, chain, muscles[n], step, band, load, watch)
-        watch[2] = min(watch[2], factorize(band))
+        watch[2] = min(watch[2], factorize(band, workspace.column))
         if slender:
-            section_means(columns)
-            couple_sections(band, load, columns, normal, resistance, kept)
+            section_means(workspace.columns)
+            couple_sections(workspace)
         else:
             substitute(band, load)
         for i in range(nodes):

@@ -23,8 +23,16 @@ from subsea.biomechanics.body import (
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import EDGE_ON
-from subsea.biomechanics.reactive_water import sections_of
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
+from subsea.biomechanics.reactive_water import ALL_KEPT, SECTIONS, sections_of
+from subsea.biomechanics.solver import (
+    STEP,
+    STEPS_PER_TICK,
+    TICK_S,
+    Chain,
+    Solver,
+    advance_solver,
+    make_workspace,
+)
 from subsea.geometry.vector import Vector, dot, minus, plus, store, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.lanes import LANES, as_lanes, gather, room, take_lane, zero_of
@@ -193,6 +201,7 @@ def follow_actions(
         bodies.mass, bodies.length, bodies.stiffness, bodies.viscosity, bodies.drag,
         sections_of(bodies.sections),
     )  # fmt: skip
+    solver = Solver(Chain(material, UNITS, ALL_KEPT), make_workspace(x, SECTIONS))
     muscles, before, rowing = room((1, MUSCLES), x), room((MUSCLES,), x), room((FINS,), x)
     force, water = room((NODES, 3), x), np.zeros(3)
     for node in range(NODES):
@@ -208,7 +217,7 @@ def follow_actions(
         for _ in range(STEPS_PER_TICK):
             contract(bodies, action, command, left, muscles[0])
             left -= 1
-            advance(x, v, material, muscles, water, force, STEP, watch)
+            advance_solver(x, v, solver, muscles, water, force, STEP, watch)
             work += muscle_work(x, bodies.stiffness, muscles[0], before)
     return work
 
