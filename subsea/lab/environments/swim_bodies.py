@@ -279,14 +279,14 @@ def observe_one(bodies: SwimBodies, i: int) -> None:
     n = 0
     scale = 1.0 / (POSE_UNIT * bodies.body_length)
     for node in range(NODES):
-        p = minus(vector(x[node]), o)
+        p = minus(vector_at(x, node), o)
         out[n] = bounded(scale * (dot(p, ahead) - bodies.rest[node, 0]))
         out[n + 1] = bounded(scale * (dot(p, up) - bodies.rest[node, 1]))
         out[n + 2] = bounded(scale * (dot(p, right) - bodies.rest[node, 2]))
         n += 3
     scale = TU_PER_S / bodies.body_length
     for node in range(NODES):
-        u = vector(v[node])
+        u = vector_at(v, node)
         out[n] = bounded(scale * dot(u, ahead))
         out[n + 1] = bounded(scale * dot(u, up))
         out[n + 2] = bounded(scale * dot(u, right))
@@ -310,6 +310,12 @@ def observe_one(bodies: SwimBodies, i: int) -> None:
 
 
 @kernel
+def vector_at(rows: Array, k: int) -> Vector:
+    """Row k of an array (n, 3). A slice of the array would count a reference, twice."""
+    return rows[k, 0], rows[k, 1], rows[k, 2]
+
+
+@kernel
 def bounded(value: float) -> float:
     """Clip a value to the bounds of the observation space."""
     return min(max(value, -BOUND), BOUND)
@@ -321,7 +327,7 @@ def centre(x: Array, mass: Array) -> Vector:
     total, middle = 0.0, (0.0, 0.0, 0.0)
     for node in range(NODES):
         total += mass[node]
-        middle = plus(middle, times(mass[node], vector(x[node])))
+        middle = plus(middle, times(mass[node], vector_at(x, node)))
     return times(1.0 / total, middle)
 
 
@@ -362,7 +368,7 @@ def add_fins(
     zero = zero_of(x)
     flow = (zero, zero, zero)
     for node in range(1, 13):
-        flow = plus(flow, times(1.0 / 12.0, vector(v[node])))
+        flow = plus(flow, times(1.0 / 12.0, vector_at(v, node)))
     power = zero
     for fin in range(FINS):
         angle = EDGE_ON + command[MUSCLES + fin]
@@ -372,7 +378,8 @@ def add_fins(
         power -= dot(push, ahead) * rowing[fin]
         for node in range(1, 13):
             if (_SIDE[node - 1] > 0.0) == (fin == 0):
-                store(force[node], times(1.0 / 6.0, push))
+                share = times(1.0 / 6.0, push)
+                force[node, 0], force[node, 1], force[node, 2] = share
     return power
 
 
@@ -380,7 +387,7 @@ def add_fins(
 def measure_muscles(x: Array, out: Array) -> None:
     """Write the lengths (12,) of the muscles."""
     for m in range(MUSCLES):
-        r = minus(vector(x[UNITS[m, 1]]), vector(x[UNITS[m, 0]]))
+        r = minus(vector_at(x, UNITS[m, 1]), vector_at(x, UNITS[m, 0]))
         out[m] = math.sqrt(dot(r, r))
 
 
@@ -392,7 +399,7 @@ def muscle_work(x: Array, stiffness: Array, rest: Array, before: Array) -> float
     """
     work = zero_of(x)
     for m in range(MUSCLES):
-        r = minus(vector(x[UNITS[m, 1]]), vector(x[UNITS[m, 0]]))
+        r = minus(vector_at(x, UNITS[m, 1]), vector_at(x, UNITS[m, 0]))
         now = math.sqrt(dot(r, r))
         work -= stiffness[m] * (0.5 * (now + before[m]) - rest[m]) * (now - before[m])
         before[m] = now
