@@ -96,7 +96,9 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
     own, firm = (
         species_point(muscles.body, muscles.swim, volumes, firm)[:size] for firm in (False, True)
     )
-    remembered = journal.remembered(lambda points: swim_together(list(map(course, points))))
+    remembered = journal.remembered(
+        lambda points: swim_together([course(point) for point in points])
+    )
     (first,) = remembered([own])
     known = first < POOR  # a species that was learned before
     start, spread, budget = (own, NEARBY, task.budget) if known else (firm, SPREAD, task.budget - 1)

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
+from subsea.base.arrays import Array
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
     UNITS,
@@ -39,7 +40,7 @@ from subsea.biomechanics.reactive_water import (
 )
 from subsea.biomechanics.water import add_water_force
 from subsea.kernels import kernel
-from subsea.kernels.lanes import first, room, zero_of
+from subsea.kernels.lanes import first, room, uncounted, zero_of
 
 STEP = 0.055  # time step in tu (Tu §4.5.2): 5.5 ms
 STEPS_PER_TICK = 6  # steps between two recorded frames
@@ -61,15 +62,16 @@ class Chain(NamedTuple):
 class Workspace(NamedTuple):
     """Arrays that a step writes before it reads them, made once for many steps."""
 
-    band: Floats  # (30, 8) matrix A, then its factors
-    load: Floats  # (30, 3) G, then V
-    column: Floats  # (8,) of `factorize`
-    axes: Floats  # (3, 6, 3) tangents, normals and former normals of the sections
-    columns: Floats  # (30, 6) means of the sections, then L⁻¹ times these
-    resistance: Floats  # (6,)
-    matrix: Floats  # (6, 6)
-    push: Floats  # (6,) along the normals
-    scaled: Floats  # (30,) a column over D
+    memory: Array  # of all others, which are views of it
+    band: Array  # (30, 8) matrix A, then its factors
+    load: Array  # (30, 3) G, then V
+    column: Array  # (8,) of `factorize`
+    axes: Array  # (3, 6, 3) tangents, normals and former normals of the sections
+    columns: Array  # (30, 6) means of the sections, then L⁻¹ times these
+    resistance: Array  # (6,)
+    matrix: Array  # (6, 6)
+    push: Array  # (6,) along the normals
+    scaled: Array  # (30,) a column over D
 
 
 class Solver(NamedTuple):
@@ -79,15 +81,36 @@ class Solver(NamedTuple):
     workspace: Workspace
 
 
-@register_jitable  # type: ignore[untyped-decorator]
+@register_jitable
 def make_workspace(x: Floats, sections: int) -> Workspace:
     """Make the workspace of a body, or of lanes, with nodes ``x`` (23, 3)."""
-    rows = len(x) + HALF_BANDWIDTH
-    return Workspace(
-        room((rows, HALF_BANDWIDTH + 1), x), room((rows, 3), x), room((HALF_BANDWIDTH + 1,), x),
-        room((3, sections, 3), x), room((rows, sections), x), room((sections,), x),
-        room((sections, sections), x), room((sections,), x), room((rows,), x),
+    rows, width = len(x) + HALF_BANDWIDTH, HALF_BANDWIDTH + 1
+    sizes = (
+        rows * width, 3 * rows, width, 9 * sections, rows * sections, sections,
+        sections * sections, sections, rows,
     )  # fmt: skip
+    total = 0
+    for size in sizes:
+        total += size
+    memory, at = room((total,), x), 0
+    band = uncounted(memory[: sizes[0]].reshape(rows, width))
+    at += sizes[0]
+    load = uncounted(memory[at : at + sizes[1]].reshape(rows, 3))
+    at += sizes[1]
+    column = uncounted(memory[at : at + sizes[2]])
+    at += sizes[2]
+    axes = uncounted(memory[at : at + sizes[3]].reshape(3, sections, 3))
+    at += sizes[3]
+    columns = uncounted(memory[at : at + sizes[4]].reshape(rows, sections))
+    at += sizes[4]
+    resistance = uncounted(memory[at : at + sizes[5]])
+    at += sizes[5]
+    matrix = uncounted(memory[at : at + sizes[6]].reshape(sections, sections))
+    at += sizes[6]
+    push = uncounted(memory[at : at + sizes[7]])
+    at += sizes[7]
+    scaled = uncounted(memory[at : at + sizes[8]])
+    return Workspace(memory, band, load, column, axes, columns, resistance, matrix, push, scaled)
 
 
 @kernel

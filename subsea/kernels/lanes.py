@@ -286,6 +286,22 @@ def as_lanes(context: Any, array: Any) -> Any:
     return view(array), code
 
 
+@intrinsic
+def uncounted(context: Any, array: Any) -> Any:
+    """View an array without counting references, which another array keeps alive.
+
+    Counting takes locked instructions wherever an array is named or passed on.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        source = cgutils.create_struct_proxy(signature.args[0])(context, builder, values[0])
+        source.meminfo = cgutils.get_null_value(source.meminfo.type)
+        source.parent = cgutils.get_null_value(source.parent.type)
+        return source._getvalue()
+
+    return array(array), code
+
+
 def room(shape: tuple[int, ...], like: Array) -> Array:
     """Make an array of a shape for elements of the kind of an array ``like``, with any content."""
     return np.empty(shape)
