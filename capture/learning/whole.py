@@ -96,9 +96,11 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
     own, firm = (
         species_point(muscles.body, muscles.swim, volumes, firm)[:size] for firm in (False, True)
     )
-    remembered = journal.remembered(
-        lambda points: swim_together([course(point) for point in points])
-    )
+
+    def side_by_side(points: Sequence[Floats]) -> list[float]:
+        return swim_together([course(point) for point in points])
+
+    remembered = journal.remembered(side_by_side)
     (first,) = remembered([own])
     known = first < POOR  # a species that was learned before
     start, spread, budget = (own, NEARBY, task.budget) if known else (firm, SPREAD, task.budget - 1)

@@ -14,6 +14,7 @@ from subsea.kernels.lanes import (
     gather,
     room,
     take_lane,
+    uncounted,
     where_positive,
     zero_of,
 )
@@ -76,6 +77,18 @@ def test_rows_are_gathered_into_lanes_and_taken_out():
     for k in range(LANES):
         take_lane(lanes, k, row)
         np.testing.assert_array_equal(row, rows[who[min(k, 2)]])
+
+
+@kernel
+def write_uncounted(array):
+    view = uncounted(array)
+    view[1, 0] = 5.0
+
+
+def test_an_uncounted_view_is_of_the_same_memory():
+    array = np.zeros((2, 3))
+    write_uncounted(array)
+    assert array.sum() == array[1, 0] == 5.0
 
 
 def test_outside_of_kernels_the_helpers_are_those_of_floats():
