@@ -10,7 +10,7 @@ from subsea.base.errors import UserError
 from subsea.kernels.lanes import LANES
 from subsea.lab.environments.swim import SwimEnv, SwimVectorEnv
 from subsea.lab.environments.swim_bodies import ACTIONS, swim
-from subsea.lab.environments.swim_school import Exercise, SwimSchool
+from subsea.lab.environments.swim_school import Exercise, SwimSchool, whole_lanes
 
 STEPS = 12
 
@@ -57,6 +57,16 @@ def test_the_number_of_threads_changes_nothing():
         runs.append([(seen.tobytes(), rewards.tobytes()) for seen, rewards, *_ in steps])
         env.close()
     assert runs[0] == runs[1] == runs[2]
+
+
+@pytest.mark.parametrize(("number", "parts"), [(100, 3), (64, 2), (33, 2), (1024, 8)])
+def test_parts_of_threads_fill_their_lanes(number, parts):
+    cut = whole_lanes(np.arange(number), parts)
+    assert len(cut) == parts
+    np.testing.assert_array_equal(np.concatenate(cut), np.arange(number))
+    sizes = [len(part) for part in cut]
+    assert not any(size % LANES for size in sizes[:-1])
+    assert max(sizes) - min(sizes) < 2 * LANES
 
 
 def test_gymnasium_makes_it():
