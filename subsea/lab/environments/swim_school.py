@@ -218,7 +218,7 @@ class SwimSchool:
 
 
 def whole_lanes(who: Ints, parts: int) -> list[Ints]:
-    """Cut ``who`` into about equal parts, all but the last of which fill their lanes."""
+    """Cut ``who`` into about equal parts. All but the last part fill their lanes."""
     groups = -(-len(who) // LANES)
     return np.split(who, LANES * (np.arange(1, parts) * groups // parts))
 
