@@ -18,7 +18,7 @@ from numba import njit
 from tqdm import tqdm
 
 from capture.inspection.gait import entries, muscle_work, speed_kept
-from capture.learning.search import search
+from capture.learning.search import one_by_one, search
 from capture.learning.turn import with_holds
 from subsea.biomechanics import simulation, solver, water
 from subsea.biomechanics.body import (
@@ -128,8 +128,10 @@ def frequencies(body: Body, effort: Effort, folder: Path) -> None:
                 speeds: list[float] = []
                 dimensions = 2 * SIDES + (1 if one else SIDES)
                 search(
-                    lambda point, one=one: (
-                        -forward_speed(body, sinusoids(point, one), effort.swim_tu)
+                    one_by_one(
+                        lambda point, one=one: (
+                            -forward_speed(body, sinusoids(point, one), effort.swim_tu)
+                        )
                     ),
                     np.random.default_rng(seed).random(dimensions),
                     method,
@@ -217,7 +219,7 @@ def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: 
     for family, swing in families.items():
         for seed in tqdm(range(1, effort.turn_seeds + 1), desc=f"(b) {family}", disable=None):
             best = search(
-                lambda point, swing=swing: loss(point, swing),
+                one_by_one(lambda point, swing=swing: loss(point, swing)),
                 np.random.default_rng(seed).random(2 * SIDES + 1),
                 "annealing",
                 effort.turn_budget,
@@ -322,9 +324,11 @@ def simulate_with(triangles: Any, weights: Floats) -> Callable[..., Floats]:
     force = compile_(
         again(water.add_water_force.py_func, TRIANGLES=triangles, TRIANGLE_WEIGHTS=weights)
     )
-    chain = compile_(again(solver.advance_chain.py_func, add_water_force=force))
+    steps = compile_(again(solver.advance_solver.py_func, add_water_force=force))
+    chain = compile_(again(solver.advance_chain.py_func, advance_solver=steps))
     step = compile_(again(solver.advance.py_func, advance_chain=chain))
-    with_defaults = again(simulation.simulate, advance=step)
+    frames = compile_(again(simulation.advance_frames.py_func, advance=step))
+    with_defaults = again(simulation.simulate, advance_frames=frames)
     with_defaults.__defaults__ = simulation.simulate.__defaults__
     return with_defaults  # type: ignore[no-any-return]
 

@@ -15,8 +15,6 @@ from subsea.biomechanics.controllers import (
 )
 from subsea.biomechanics.fins import contraction_step, headings
 from subsea.biomechanics.simulation import (
-    NO_FORCE,
-    STILL,
     BodyState,
     copy_state,
     is_sound,
@@ -87,12 +85,10 @@ def muscle_work(body: Body, state: BodyState, contraction: Floats) -> float:
     with the contracted l_rest; the damper belongs to the passive body. A muscle that is stretched
     does negative work, so over a steady beat the sum is the work on water and viscosity.
     """
-    lengths = [_muscle_spans(state.x)]
+    start = state.x[None].copy()
+    frames = np.concatenate([start, simulate(body, state, contraction, every=1)])
     rests = muscle_lengths(body, contraction)
-    for rest in rests:
-        advance(state.x, state.v, body.material, rest[None], STILL, NO_FORCE, STEP, state.watch)
-        lengths.append(_muscle_spans(state.x))
-    return tension_work(body.stiffness[:MUSCLES], np.array(lengths), rests)
+    return tension_work(body.stiffness[:MUSCLES], _muscle_spans(frames), rests)
 
 
 def tension_work(stiffness: Floats, lengths: Floats, rests: Floats) -> float:
@@ -102,8 +98,9 @@ def tension_work(stiffness: Floats, lengths: Floats, rests: Floats) -> float:
 
 
 def _muscle_spans(x: Floats) -> Floats:
+    """Lengths (…, 12) of the muscles of nodes (…, 23, 3)."""
     i, j = UNITS[:MUSCLES].T
-    return np.asarray(np.linalg.norm(x[j] - x[i], axis=1))
+    return np.asarray(np.linalg.norm(x[..., j, :] - x[..., i, :], axis=-1))
 
 
 def speed_kept(body: Body, frames: Floats) -> float:

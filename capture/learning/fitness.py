@@ -44,6 +44,7 @@ from subsea.biomechanics.fins import (
 )
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.together import Bout, Course, swim_course
 from subsea.biomechanics.trial import (
     STRAIGHT,
     beat_contraction,
@@ -118,15 +119,25 @@ def disturbed(state: BodyState, rms: float, rng: np.random.Generator) -> BodySta
 
 def start_swimming(body: Body, beat: Floats, rms: float, rng: np.random.Generator) -> BodyState:
     """A disturbed body after its first beat, which is faded in."""
+    return swim_course(starting(body, beat, rms, rng))
+
+
+def starting(body: Body, beat: Floats, rms: float, rng: np.random.Generator) -> Course[BodyState]:
+    """As `start_swimming`, as a course."""
     state = disturbed(at_rest(body), rms, rng)
-    simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
+    yield Bout(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     return state
 
 
 def beats_survived(body: Body, state: BodyState, beat: Floats, count: int) -> int:
     """Swim up to ``count`` beats and check the shape every five; changes ``state``."""
+    return swim_course(surviving(body, state, beat, count))
+
+
+def surviving(body: Body, state: BodyState, beat: Floats, count: int) -> Course[int]:
+    """As `beats_survived`, as a course."""
     for done in range(0, count, 5):
-        simulate(body, state, np.tile(beat, (min(5, count - done), 1)))
+        yield Bout(body, state, np.tile(beat, (min(5, count - done), 1)))
         if not is_sound(state):
             return done
     return count

@@ -7,7 +7,7 @@ optimiser need not be saved.
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -28,24 +28,26 @@ class Journal:
         self._started = 0
         self._saved_at = time.monotonic()
 
-    def remembered(self, loss: Callable[[Candidate], float]) -> Callable[[Candidate], float]:
-        """Begin a search: ``loss``, but values of the file where it has them."""
+    def remembered(
+        self, losses: Callable[[Sequence[Candidate]], list[float]]
+    ) -> Callable[[Sequence[Candidate]], list[float]]:
+        """Begin a search: ``losses`` of candidates, but values of the file where it has them."""
         if self._started == len(self._searches):
             self._searches.append([])
         known = self._searches[self._started]
         self._started += 1
         asked = 0
 
-        def value(candidate: Candidate) -> float:
+        def values(candidates: Sequence[Candidate]) -> list[float]:
             nonlocal asked
-            asked += 1
+            begin, asked = asked, asked + len(candidates)
             if asked > len(known):
-                known.append(loss(candidate))
+                known.extend(losses(candidates[len(known) - begin :]))
                 if time.monotonic() - self._saved_at > SAVE_S:
                     self.save()
-            return known[asked - 1]
+            return known[begin:asked]
 
-        return value
+        return values
 
     def save(self) -> None:
         """Write the file."""

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from capture.learning.fitness import ECONOMY
-from capture.learning.search import Evaluation, search
+from capture.learning.search import Evaluation, one_by_one, search
 from capture.learning.swim import verified_swims
 from capture.learning.turn import refit_holds, verified_turn
 from subsea.biomechanics.body import Floats, build_body
@@ -57,7 +57,9 @@ def learn(
         def report(one: Evaluation) -> None:
             progress(stage, one.loss, at(one.point))
 
-        return search(lambda point: loss(at(point)), start, method, budget, seed, report)
+        return search(
+            one_by_one(lambda point: loss(at(point))), start, method, budget, seed, report
+        )
 
     def learn_turn(gait: SwimPlan, new: bool) -> TurnPlan | None:
         found = None

@@ -9,16 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from capture.inspection.gait import muscle_work, swim_beats
+from capture.inspection.gait import muscle_work
 from capture.inspection.kinematics import published_envelope
 from capture.inspection.targets import Range, at_least, at_most
 from capture.learning.fitness import (
     DISTURBANCE,
     PENALTY,
     UNSOUND,
-    beats_survived,
     excess,
-    start_swimming,
+    starting,
+    surviving,
 )
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import (
@@ -41,8 +41,9 @@ from subsea.biomechanics.fins import (
     snout_bend,
     straightness,
 )
-from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound
 from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.biomechanics.together import Bout, Course, swim_course
 from subsea.biomechanics.trial import beat_contraction, displacement, loop_error
 
 STATIONS = [[0], *([1 + 4 * k, 2 + 4 * k, 3 + 4 * k, 4 + 4 * k] for k in range(RINGS))]
@@ -116,10 +117,11 @@ class Wave(NamedTuple):
     cost: float  # J/(kg m)
 
 
-def measure_wave(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> Wave:
+def measuring(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> Course[Wave]:
     """Measure MEASURED more beats of ``state``, which changes."""
     beat, ticks = beat_contraction(swim, amplitude), swim.ticks_per_beat
-    frames = swim_beats(body, state, beat, MEASURED)
+    start = state.x[None].copy()
+    frames = np.concatenate([start, (yield Bout(body, state, np.tile(beat, (MEASURED, 1))))])
     last = frames[-ticks - 1 :]
     length = float(np.ptp(body.rest[:, 0]))
     at = np.array([body.rest[0, 0] - body.rest[nodes, 0].mean() for nodes in STATIONS]) / length
@@ -191,8 +193,15 @@ def wave_loss(
     ``fast`` is that speed in L a tick, None at grade fast itself. ``seed`` disturbs the start. A
     body that loses its shape has UNSOUND or more.
     """
+    return swim_course(wave_course(body, swim, grade, seed, fast))
+
+
+def wave_course(
+    body: Body, swim: SwimPlan, grade: str, seed: int, fast: float | None = None
+) -> Course[float]:
+    """As `wave_loss`, as a course."""
     gait, rng = swim.at(grade), np.random.default_rng(seed)
-    wave, state, survived = swim_and_measure(body, gait, 1.0, DISTURBANCE, rng)
+    wave, state, survived = yield from swimming(body, gait, 1.0, DISTURBANCE, rng)
     if wave is None:
         return UNSOUND + 1.0 - survived
     missed = _missed(wave, LIMITS[grade])
@@ -200,10 +209,10 @@ def wave_loss(
     if fast is not None:
         loss = PENALTY * (missed + 2 * excess(speed / fast, RATIOS[grade]))
         if grade == "medium":
-            loss += PENALTY * excess(turning_radius(body, gait, state), RADIUS)
+            loss += PENALTY * excess((yield from turning_radius(body, gait, state)), RADIUS)
     else:
         missed += 2 * _missed(wave, HARD) + 4.0 * (wave.stride < 0)
-        missed += excess(bent_turn(body), TURN)
+        missed += excess((yield from bent_turn(body)), TURN)
         loss = PENALTY * missed + ENVELOPE_WEIGHT * wave.deviation
         loss += ECONOMY * float(np.log(np.clip(wave.cost, 1e-3, 1e3)))
         loss -= HASTE * float(np.log(max(speed, 1e-4)))
@@ -214,7 +223,7 @@ def _missed(wave: Wave, limits: dict[str, Range]) -> float:
     return sum(excess(getattr(wave, name), limit) for name, limit in limits.items())
 
 
-def bent_turn(body: Body) -> float:
+def bent_turn(body: Body) -> Course[float]:
     """Degrees by which a body at rest turns that bends to one side and straightens again.
 
     NaN where it loses its shape.
@@ -223,12 +232,12 @@ def bent_turn(body: Body) -> float:
     at = np.arange(int(sum(BEND_TICKS)) * STEPS_PER_TICK) / STEPS_PER_TICK
     share = ease(at / bend) - ease((at - bend - hold) / release)
     state = at_rest(body)
-    frames = simulate(body, state, BEND * np.outer(share, MUSCLE_LEFT > 0))
+    frames = yield Bout(body, state, BEND * np.outer(share, MUSCLE_LEFT > 0))
     heading = headings(frames)
     return float(heading[-1] - heading[0]) if is_sound(state) else np.nan
 
 
-def turning_radius(body: Body, swim: SwimPlan, state: BodyState) -> float:
+def turning_radius(body: Body, swim: SwimPlan, state: BodyState) -> Course[float]:
     """Radius in L of the circle of a body that is held bent by PROBE and beats on.
 
     NaN where it loses its shape. ``state`` of a body that swims so, at phase 0, changes.
@@ -236,7 +245,7 @@ def turning_radius(body: Body, swim: SwimPlan, state: BodyState) -> float:
     beat = beat_contraction(swim, 1.0)
     steps = np.arange(PROBE_BEATS * len(beat))
     bend = bend_contraction(PROBE, LEFT, ease(steps / (PROBE_TICKS * STEPS_PER_TICK)))
-    frames = simulate(body, state, np.tile(beat, (PROBE_BEATS, 1)) + bend)
+    frames = yield Bout(body, state, np.tile(beat, (PROBE_BEATS, 1)) + bend)
     if not is_sound(state):
         return np.nan
     last = frames[-swim.ticks_per_beat - 1 :]
@@ -245,19 +254,20 @@ def turning_radius(body: Body, swim: SwimPlan, state: BodyState) -> float:
     return float(way / max(heading[-1] - heading[0], 1e-3))
 
 
-def swim_and_measure(
+def swimming(
     body: Body, swim: SwimPlan, amplitude: float, rms: float, rng: np.random.Generator
-) -> tuple[Wave | None, BodyState, float]:
+) -> Course[tuple[Wave | None, BodyState, float]]:
     """Swim from a disturbed start; measures, final state, and share of beats in good shape.
 
     The measures are None for a body that lost its shape.
     """
     beat = beat_contraction(swim, amplitude)
-    state = start_swimming(body, beat, rms, rng)
-    beats = WARM_UP - 1
-    survived = beats_survived(body, state, beat, beats) if is_sound(state) else 0
+    state = yield from starting(body, beat, rms, rng)
+    beats, survived = WARM_UP - 1, 0
+    if is_sound(state):
+        survived = yield from surviving(body, state, beat, beats)
     if survived == beats:
-        wave = measure_wave(body, swim, amplitude, state)
+        wave = yield from measuring(body, swim, amplitude, state)
         if is_sound(state):
             return wave, state, 1.0
     return None, state, survived / (beats + MEASURED)
@@ -281,7 +291,8 @@ def grade_waves(body: Body, swim: SwimPlan) -> dict[str, Wave]:
 def _wave(body: Body, swim: SwimPlan, grade: str) -> Wave:
     """Measures of a grade, swum from rest."""
     rng = np.random.default_rng(0)
-    wave, _, _ = swim_and_measure(body, swim.at(grade), swim.amplitude(grade), 0.0, rng)
+    course = swimming(body, swim.at(grade), swim.amplitude(grade), 0.0, rng)
+    wave, _, _ = swim_course(course)
     if wave is None:
         raise UserError(f"it loses its shape at grade {grade}")
     return wave

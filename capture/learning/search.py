@@ -3,7 +3,7 @@
 The libraries `cma` and `scipy` propose the points; the caller chooses among all evaluations.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import NamedTuple, TypeVar
 
@@ -33,12 +33,21 @@ Optimizer = Callable[
 """A search that minimises a loss over candidates at points of the unit box, from one on."""
 
 
+Losses = Callable[[Sequence[Floats]], list[float]]
+"""The losses of several points, which may be found side by side."""
+
+
+def one_by_one(loss: Callable[[Floats], float]) -> Losses:
+    """The losses of points, found one after another."""
+    return lambda points: [loss(point) for point in points]
+
+
 class _BudgetSpent(Exception):  # noqa: N818 - ends a search, no error
     """All evaluations of the budget are made."""
 
 
 def search(
-    loss: Callable[[Floats], float],
+    losses: Losses,
     start: Floats,
     method: str,
     budget: int,
@@ -46,20 +55,22 @@ def search(
     progress: Callable[[Evaluation], object] = lambda evaluation: None,
     spread: float = SPREAD,
 ) -> list[Evaluation]:
-    """Evaluate ``loss`` at ``budget`` points of the unit box [0, 1]ⁿ; return them, best first.
+    """Evaluate ``losses`` at ``budget`` points of the unit box [0, 1]ⁿ; return them, best first.
 
     The search begins at ``start`` (n,) and is deterministic. CMA-ES begins with steps of
     ``spread``.
     """
     tried: list[Evaluation] = []
 
-    def evaluate(point: Floats) -> float:
-        if len(tried) == budget:
+    def evaluate(points: Sequence[Floats]) -> list[float]:
+        places = [np.clip(point, 0.0, 1.0) for point in points][: budget - len(tried)]
+        found = losses(places)
+        for loss, place in zip(found, places, strict=True):
+            tried.append(Evaluation(loss, tuple(place.tolist())))
+            progress(tried[-1])
+        if len(places) < len(points):
             raise _BudgetSpent
-        point = np.clip(point, 0.0, 1.0)
-        tried.append(Evaluation(loss(point), tuple(point.tolist())))
-        progress(tried[-1])
-        return tried[-1].loss
+        return found
 
     with suppress(_BudgetSpent):
         begin = np.clip(start, 0.0, 1.0)
@@ -79,14 +90,14 @@ def distinct(tried: list[Evaluation]) -> Iterator[Evaluation]:
             yield one
 
 
-def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, spread: float) -> None:
+def _cma(evaluate: Losses, start: Floats, seed: int, spread: float) -> None:
     """CMA-ES; after convergence restarted at random with twice the population."""
     import cma
 
     # It uses numpy's global generator, which is restored afterwards.
     state = np.random.get_state()  # noqa: NPY002
     rng = np.random.default_rng(seed)
-    evaluate(start)
+    evaluate([start])
     population = int(4 + 3 * np.log(len(start)))
     try:
         while True:
@@ -99,19 +110,19 @@ def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, spread: 
             strategy = cma.CMAEvolutionStrategy(start, spread, options)
             while not strategy.stop():
                 points = strategy.ask()
-                strategy.tell(points, [evaluate(point) for point in points])
+                strategy.tell(points, evaluate(points))
             start, spread = rng.random(len(start)), SPREAD
             population *= 2
     finally:
         np.random.set_state(state)  # noqa: NPY002
 
 
-def _annealing(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: int) -> None:
+def _annealing(evaluate: Losses, start: Floats, seed: int, budget: int) -> None:
     """Generalised simulated annealing without local search, as in KS."""
     from scipy.optimize import dual_annealing
 
     dual_annealing(
-        evaluate,
+        lambda point: evaluate([point])[0],
         [(0.0, 1.0)] * len(start),
         x0=start,
         maxiter=budget,

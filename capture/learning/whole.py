@@ -6,6 +6,7 @@ follows from measured headings (turn.py). Of the candidates that pass the verifi
 the least loss of all grades is taken.
 """
 
+from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -25,13 +26,14 @@ from capture.learning.body_space import (
 )
 from capture.learning.fitness import disturbed_faults, steady_speed
 from capture.learning.journal import Journal
-from capture.learning.lifelike import POOR, grade_waves, wave_loss
+from capture.learning.lifelike import POOR, grade_waves, wave_course
 from capture.learning.search import SPREAD, distinct, search
 from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
+from subsea.biomechanics.together import Course, swim_together
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
@@ -87,22 +89,28 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
         plan = body_at(muscles.body, place[GAIT_SIZE:], volumes) if task.body else muscles.body
         return plan, gait_at(build_body(plan), plain, "fast", place)
 
-    def loss(point: Floats) -> float:
+    def course(point: Floats) -> Course[float]:
         plan, swim = at(point)
-        return wave_loss(build_body(plan), swim, "fast", task.seed)
+        return wave_course(build_body(plan), swim, "fast", task.seed)
 
     own, firm = (
         species_point(muscles.body, muscles.swim, volumes, firm)[:size] for firm in (False, True)
     )
-    remembered = journal.remembered(loss)
-    first = remembered(own)
+
+    def side_by_side(points: Sequence[Floats]) -> list[float]:
+        return swim_together([course(point) for point in points])
+
+    remembered = journal.remembered(side_by_side)
+    (first,) = remembered([own])
     known = first < POOR  # a species that was learned before
     start, spread, budget = (own, NEARBY, task.budget) if known else (firm, SPREAD, task.budget - 1)
 
-    def again(point: Floats) -> float:
-        return first if known and np.array_equal(point, own) else remembered(point)
+    def losses(points: Sequence[Floats]) -> list[float]:
+        new = [not (known and np.array_equal(point, own)) for point in points]
+        found = iter(remembered([point for point, ask in zip(points, new, strict=True) if ask]))
+        return [next(found) if ask else first for ask in new]
 
-    tried = search(again, start, "cma", budget, task.seed, spread=spread)
+    tried = search(losses, start, "cma", budget, task.seed, spread=spread)
     best, least, searched = None, np.inf, 0
     for candidate in islice(distinct(tried), MAX_TRIED):
         plan, swim = at(candidate.point)
@@ -149,13 +157,15 @@ def _with_grade(
 ) -> tuple[SwimPlan, float]:
     """Search the gait of a grade; of several searches the best that withstands disturbances."""
 
-    def loss(point: Floats) -> float:
-        return wave_loss(body, gait_at(body, swim, grade, point), grade, seed, fast)
+    def losses(points: Sequence[Floats]) -> list[float]:
+        gaits = [gait_at(body, swim, grade, point) for point in points]
+        return swim_together([wave_course(body, gait, grade, seed, fast) for gait in gaits])
 
     start = gait_point(body, swim, grade, ticks)
     found = []
     for attempt in range(GRADE_SEARCHES):
-        best = search(journal.remembered(loss), start, "cma", GRADE_BUDGET, seed + attempt)[0]
+        remembered = journal.remembered(losses)
+        best = search(remembered, start, "cma", GRADE_BUDGET, seed + attempt)[0]
         plan = gait_at(body, swim, grade, best.point)
         weak = bool(_grade_faults(body, plan, grade, seed))
         found.append((weak, best.loss, attempt, plan))

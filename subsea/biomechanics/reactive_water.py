@@ -13,6 +13,7 @@ The other terms are resistive: cross-flow along n and its share that opposes rol
 dorsal axis y, skin friction along t.
 """
 
+import math
 from typing import NamedTuple
 
 import msgspec
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.kernels import kernel
+from subsea.kernels.lanes import zero_of
 
 DENSITY = 1.0  # of water, g/cm³
 SECTIONS = 6
@@ -123,7 +125,7 @@ def section_frames(x: Array, tangent: Array, normal: Array) -> None:
         fx, fy, fz = _middle(x, k - 1, rings)
         bx, by, bz = _middle(x, min(k + 1, rings), rings)
         tx, ty, tz = fx - bx, fy - by, fz - bz
-        scale = 1.0 / np.sqrt(tx * tx + ty * ty + tz * tz)
+        scale = 1.0 / math.sqrt(tx * tx + ty * ty + tz * tz)
         tx, ty, tz = tx * scale, ty * scale, tz * scale
         a = 1 + 4 * k
         if k < rings:
@@ -134,7 +136,7 @@ def section_frames(x: Array, tangent: Array, normal: Array) -> None:
             b = a + 1
             dx, dy, dz = x[a, 0] - x[b, 0], x[a, 1] - x[b, 1], x[a, 2] - x[b, 2]
         nx, ny, nz = ty * dz - tz * dy, tz * dx - tx * dz, tx * dy - ty * dx
-        scale = 1.0 / np.sqrt(nx * nx + ny * ny + nz * nz)
+        scale = 1.0 / math.sqrt(nx * nx + ny * ny + nz * nz)
         tangent[k, 0], tangent[k, 1], tangent[k, 2] = tx, ty, tz
         normal[k, 0], normal[k, 1], normal[k, 2] = nx * scale, ny * scale, nz * scale
 
@@ -164,8 +166,9 @@ def add_section_forces(
     step: float,
     axes: Array,
     load: Array,
-) -> Array:
-    """Add the explicit forces to ``load`` and return the implicit resistance (6,) along n, g/tu.
+    resistance: Array,
+) -> None:
+    """Add the explicit forces to ``load``; write the implicit ``resistance`` (6,) along n, g/tu.
 
     ``axes`` (3, 6, 3) are the tangents, the normals and the normals one step ago. The last and
     v (23, 3), cm/tu, the velocities since then, are the momentum that the water has. The implicit
@@ -173,11 +176,11 @@ def add_section_forces(
     exchange exactly what the one loses and the other gains. ``kept`` is the share of the flux
     behind each section that reaches the next one.
     """
-    tangent, normal, before = axes
+    tangent, normal, before = axes[0], axes[1], axes[2]
     rings = len(kept) - 1
-    resistance = np.empty(rings + 1)
-    px, py, pz = 0.0, 0.0, 0.0  # flux through the plane before this section
-    fx, fy, fz = 0.0, 0.0, 0.0  # flux per added mass at the section before
+    zero = zero_of(v)
+    px, py, pz = zero, zero, zero  # flux through the plane before this section
+    fx, fy, fz = zero, zero, zero  # flux per added mass at the section before
     for k in range(rings + 1):
         vx, vy, vz = _middle(v, k, rings)
         vx, vy, vz = vx - water[0], vy - water[1], vz - water[2]
@@ -197,12 +200,10 @@ def add_section_forces(
             part = kept[k - 1]
             px, py, pz = part * sx, part * sy, part * sz
         fx, fy, fz = qx, qy, qz
-        gx = px if k == rings else 0.0
-        gy = py if k == rings else 0.0
-        gz = pz if k == rings else 0.0
+        gx, gy, gz = zero, zero, zero
         if k == rings:  # shed at the edge of the tail
             edge = sections.flux[k]
-            gx, gy, gz = gx - edge * qx, gy - edge * qy, gz - edge * qz
+            gx, gy, gz = px - edge * qx, py - edge * qy, pz - edge * qz
         momentum = sections.added[k] / step * (vx * ox + vy * oy + vz * oz)
         drag = -sections.skin[k] * abs(u) * u
         resistance[k] = sections.added[k] / step + sections.cross[k] * abs(w)
@@ -217,7 +218,7 @@ def add_section_forces(
         _push(load, k, rings, gx, gy, gz)
         if k < rings:
             a = 1 + 4 * k
-            roll = 0.0  # speed of the upper half along n over that of the section
+            roll = zero  # speed of the upper half along n over that of the section
             for axis in range(3):
                 upper = v[a, axis] + v[a + 1, axis] - v[a + 2, axis] - v[a + 3, axis]
                 roll += 0.25 * upper * normal[k, axis]
@@ -227,7 +228,6 @@ def add_section_forces(
                 load[a + 1, axis] += push * normal[k, axis]
                 load[a + 2, axis] -= push * normal[k, axis]
                 load[a + 3, axis] -= push * normal[k, axis]
-    return resistance
 
 
 @kernel
@@ -245,7 +245,9 @@ def _push(load: Array, k: int, rings: int, fx: float, fy: float, fz: float) -> N
 def section_means(columns: Array) -> None:
     """Write the columns c_k (30, 6) that average the nodes of the sections."""
     rings = columns.shape[1] - 1
-    columns[:] = 0.0
+    for node in range(len(columns)):
+        for k in range(rings + 1):
+            columns[node, k] = 0.0
     for k in range(rings):
         for node in range(1 + 4 * k, 5 + 4 * k):
             columns[node, k] = 0.25

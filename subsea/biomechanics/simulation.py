@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats
+from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats, Material
 from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, advance
+from subsea.kernels import kernel
 
 STILL = np.zeros(3)
 NO_FORCE = np.zeros((NODES, 3))
@@ -37,32 +38,50 @@ def simulate(
     water: Floats = STILL,
     force: Floats = NO_FORCE,
     step: float = STEP,
+    every: int = STEPS_PER_TICK,
 ) -> Floats:
     """Advance ``state`` and return its nodes after every tick, (T, 23, 3) in cm.
 
     ``contraction`` (6 T, 12) holds the muscles' contractions of each step; ``water`` (3,) is the
     velocity of the water in cm/tu and ``force`` (23, 3) a further constant force in g cm/tu².
-    Raises ValueError where the number of steps is not a whole number of ticks.
+    ``every`` is the number of steps between two frames. Raises ValueError where the number of steps
+    is not a whole number of ticks.
     """
-    ticks, left_over = divmod(len(contraction), STEPS_PER_TICK)
-    if left_over or contraction.shape[1:] != (MUSCLES,):
-        raise ValueError(f"contraction {contraction.shape} is not (6 T, {MUSCLES})")
+    frames = np.empty((ticks_of(contraction, every), NODES, 3))
     muscles = muscle_lengths(body, contraction)
-    material = body.material
-    frames = np.empty((ticks, NODES, 3))
-    for tick in range(ticks):
-        advance(
-            state.x,
-            state.v,
-            material,
-            muscles[tick * STEPS_PER_TICK : (tick + 1) * STEPS_PER_TICK],
-            water,
-            force,
-            step,
-            state.watch,
-        )
-        frames[tick] = state.x
+    advance_frames(state, body.material, muscles, water, force, step, frames)
     return frames
+
+
+@kernel
+def advance_frames(
+    state: BodyState,
+    material: Material,
+    muscles: Floats,
+    water: Floats,
+    force: Floats,
+    step: float,
+    frames: Floats,
+) -> None:
+    """Advance a body by the steps of ``muscles`` (k T, 12), and write its nodes after every k.
+
+    ``frames`` (T, 23, 3) receive the nodes; all else is as of `solver.advance`.
+    """
+    for n in range(len(frames)):
+        every = len(muscles) // len(frames)
+        part = muscles[n * every : (n + 1) * every]
+        advance(state.x, state.v, material, part, water, force, step, state.watch)
+        for node in range(NODES):
+            for axis in range(3):
+                frames[n, node, axis] = state.x[node, axis]
+
+
+def ticks_of(contraction: Floats, every: int = STEPS_PER_TICK) -> int:
+    """Number of ticks of contractions (6 T, 12); ValueError for another shape."""
+    ticks, left_over = divmod(len(contraction), every)
+    if left_over or contraction.shape[1:] != (MUSCLES,):
+        raise ValueError(f"contraction {contraction.shape} is not ({every} T, {MUSCLES})")
+    return ticks
 
 
 def is_sound(state: BodyState) -> bool:

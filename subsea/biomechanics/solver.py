@@ -4,6 +4,8 @@ The system matrix is stored as a band. Tu packs its skyline, 126 of the band's 1
 constant width of a band lets the compiler vectorise the inner loops, which outweighs the zeros
 four times. Rows beyond the last node are padding, so that no loop has to test for the end.
 
+The source serves one body (arrays of floats) and several at once (arrays of `kernels.lanes`).
+
 The stability limit of the time step, from the material of a body.
 
 At rest the effective stiffness of the units is zero, so a step is symplectic Euler with damping at
@@ -12,10 +14,13 @@ definite while 4 M - h² K - 2 h C is, for the stiffness K and the damping C at 
 step h the stiffest mode grows. Water only dissipates energy.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 
+from subsea.base.arrays import Array
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
     UNITS,
@@ -35,6 +40,7 @@ from subsea.biomechanics.reactive_water import (
 )
 from subsea.biomechanics.water import add_water_force
 from subsea.kernels import kernel
+from subsea.kernels.lanes import first, room, uncounted, zero_of
 
 STEP = 0.055  # time step in tu (Tu §4.5.2): 5.5 ms
 STEPS_PER_TICK = 6  # steps between two recorded frames
@@ -53,16 +59,69 @@ class Chain(NamedTuple):
     kept: Kept  # as in `add_section_forces`
 
 
+class Workspace(NamedTuple):
+    """Arrays that a step writes before it reads them, made once for many steps."""
+
+    memory: Array  # of all others, which are views of it
+    band: Array  # (30, 8) matrix A, then its factors
+    load: Array  # (30, 3) G, then V
+    column: Array  # (8,) of `factorize`
+    axes: Array  # (3, 6, 3) tangents, normals and former normals of the sections
+    columns: Array  # (30, 6) means of the sections, then L⁻¹ times these
+    resistance: Array  # (6,)
+    matrix: Array  # (6, 6)
+    push: Array  # (6,) along the normals
+    scaled: Array  # (30,) a column over D
+
+
+class Solver(NamedTuple):
+    """A chain, and the workspace of its steps."""
+
+    chain: Chain
+    workspace: Workspace
+
+
+@register_jitable
+def make_workspace(x: Floats, sections: int) -> Workspace:
+    """Make the workspace of a body, or of lanes, with nodes ``x`` (23, 3)."""
+    rows, width = len(x) + HALF_BANDWIDTH, HALF_BANDWIDTH + 1
+    sizes = (
+        rows * width, 3 * rows, width, 9 * sections, rows * sections, sections,
+        sections * sections, sections, rows,
+    )  # fmt: skip
+    total = 0
+    for size in sizes:
+        total += size
+    memory, at = room((total,), x), 0
+    band = uncounted(memory[: sizes[0]].reshape(rows, width))
+    at += sizes[0]
+    load = uncounted(memory[at : at + sizes[1]].reshape(rows, 3))
+    at += sizes[1]
+    column = uncounted(memory[at : at + sizes[2]])
+    at += sizes[2]
+    axes = uncounted(memory[at : at + sizes[3]].reshape(3, sections, 3))
+    at += sizes[3]
+    columns = uncounted(memory[at : at + sizes[4]].reshape(rows, sections))
+    at += sizes[4]
+    resistance = uncounted(memory[at : at + sizes[5]])
+    at += sizes[5]
+    matrix = uncounted(memory[at : at + sizes[6]].reshape(sections, sections))
+    at += sizes[6]
+    push = uncounted(memory[at : at + sizes[7]])
+    at += sizes[7]
+    scaled = uncounted(memory[at : at + sizes[8]])
+    return Workspace(memory, band, load, column, axes, columns, resistance, matrix, push, scaled)
+
+
 @kernel
-def factorize(band: Floats) -> float:
+def factorize(band: Floats, column: Floats) -> float:
     """Replace a banded matrix by its factors L and D (Tu eq. 4.12).
 
     ``band`` (30, 8) holds a_{i+k,i} at [i, k]. The unit diagonal of L is not stored; the diagonal
     holds 1/D. Returns the smallest pivot of D: at or below zero the matrix was not positive
-    definite and the factors are meaningless.
+    definite and the factors are meaningless. Overwrites ``column`` (8,).
     """
-    smallest = np.inf
-    column = np.empty(HALF_BANDWIDTH + 1)
+    smallest = zero_of(band) + np.inf
     for i in range(len(band) - HALF_BANDWIDTH):
         pivot = band[i, 0]
         smallest = min(smallest, pivot)
@@ -86,14 +145,7 @@ def substitute(band: Floats, load: Floats) -> None:
 
 
 @kernel
-def couple_sections(
-    band: Floats,
-    load: Floats,
-    columns: Floats,
-    normal: Floats,
-    resistance: Floats,
-    kept: Kept,
-) -> None:
+def couple_sections(workspace: Workspace) -> None:
     """Solve for V with the added mass and the cross-flow of the sections, in place.
 
     The matrix is A + Σ r_k (n_k ⊗ c_k)(n_k ⊗ c_k)ᵀ: the mean velocity c_k·V of section k along its
@@ -101,35 +153,40 @@ def couple_sections(
     for six columns c_k (``columns`` (30, 6), overwritten) and not for all of their products
     (Woodbury). ``band`` holds the factors of A and ``load`` (30, 3) the right-hand side.
     """
-    nodes, sections = len(band) - HALF_BANDWIDTH, len(kept)
-    for i in range(nodes):
-        for k in range(1, HALF_BANDWIDTH + 1):
-            factor = band[i, k]
-            for c in range(sections):
-                columns[i + k, c] -= factor * columns[i, c]
-    _forward(band, load)
-    # Matrix and right-hand side of the pushes along the normals; then Cholesky.
-    matrix = np.zeros((sections, sections))
-    push = np.zeros(sections)
-    scaled = np.zeros(sections)
+    band, load, columns = workspace.band, workspace.load, workspace.columns
+    normal, resistance = workspace.axes[1], workspace.resistance
+    matrix, push, scaled = workspace.matrix, workspace.push, workspace.scaled
+    nodes, sections = len(band) - HALF_BANDWIDTH, len(push)
+    # A column is zero before its ring, which begins at node 1 + 4 c.
     for i in range(1, nodes):
-        for c in range(sections):
-            scaled[c] = columns[i, c] * band[i, 0]
-        for c in range(sections):
-            for d in range(sections):
-                matrix[c, d] += scaled[c] * columns[i, d]
-            along = normal[c, 0] * load[i, 0] + normal[c, 1] * load[i, 1]
-            push[c] += scaled[c] * (along + normal[c, 2] * load[i, 2])
+        for c in range((i + 3) // 4):
+            value = columns[i, c]
+            for back in range(min(HALF_BANDWIDTH, i - 1 - 4 * c), 0, -1):
+                value -= band[i - back, back] * columns[i - back, c]
+            columns[i, c] = value
+    _forward(band, load)
+    # Matrix (its lower triangle) and right-hand side of the pushes along the normals; then
+    # Cholesky.
     for c in range(sections):
-        for d in range(sections):
-            alike = normal[c, 0] * normal[d, 0] + normal[c, 1] * normal[d, 1]
-            matrix[c, d] *= alike + normal[c, 2] * normal[d, 2]
+        nx, ny, nz = normal[c, 0], normal[c, 1], normal[c, 2]
+        total = zero_of(band)
+        for i in range(1 + 4 * c, nodes):
+            scaled[i] = columns[i, c] * band[i, 0]
+            along = nx * load[i, 0] + ny * load[i, 1]
+            total += scaled[i] * (along + nz * load[i, 2])
+        push[c] = total
+        for d in range(c + 1):
+            total = zero_of(band)
+            for i in range(1 + 4 * c, nodes):
+                total += scaled[i] * columns[i, d]
+            alike = nx * normal[d, 0] + ny * normal[d, 1]
+            matrix[c, d] = total * (alike + nz * normal[d, 2])
         matrix[c, c] += 1.0 / resistance[c]
     for c in range(sections):
         for d in range(c):
             matrix[c, c] -= matrix[c, d] * matrix[c, d]
             push[c] -= matrix[c, d] * push[d]
-        matrix[c, c] = np.sqrt(matrix[c, c])
+        matrix[c, c] = math.sqrt(matrix[c, c])
         push[c] /= matrix[c, c]
         for row in range(c + 1, sections):
             for d in range(c):
@@ -141,7 +198,7 @@ def couple_sections(
         push[c] /= matrix[c, c]
     for c in range(sections):
         px, py, pz = push[c] * normal[c, 0], push[c] * normal[c, 1], push[c] * normal[c, 2]
-        for i in range(1, nodes):
+        for i in range(1 + 4 * c, nodes):
             load[i, 0] -= columns[i, c] * px
             load[i, 1] -= columns[i, c] * py
             load[i, 2] -= columns[i, c] * pz
@@ -151,20 +208,23 @@ def couple_sections(
 @kernel
 def _forward(band: Floats, load: Floats) -> None:
     """Solve L X = G in place."""
-    for i in range(len(band) - HALF_BANDWIDTH):
+    for i in range(1, len(band) - HALF_BANDWIDTH):
         x, y, z = load[i, 0], load[i, 1], load[i, 2]
-        for k in range(1, HALF_BANDWIDTH + 1):
-            factor = band[i, k]
-            load[i + k, 0] -= factor * x
-            load[i + k, 1] -= factor * y
-            load[i + k, 2] -= factor * z
+        for back in range(min(HALF_BANDWIDTH, i), 0, -1):
+            factor = band[i - back, back]
+            x -= factor * load[i - back, 0]
+            y -= factor * load[i - back, 1]
+            z -= factor * load[i - back, 2]
+        load[i, 0], load[i, 1], load[i, 2] = x, y, z
 
 
 @kernel
 def _backward(band: Floats, load: Floats) -> None:
     """Solve D Lᵀ V = X in place."""
     nodes = len(band) - HALF_BANDWIDTH
-    load[nodes:] = 0.0
+    for i in range(nodes, len(load)):
+        for axis in range(3):
+            load[i, axis] = 0.0
     for i in range(nodes - 1, -1, -1):
         inverse = band[i, 0]
         x, y, z = load[i, 0] * inverse, load[i, 1] * inverse, load[i, 2] * inverse
@@ -194,20 +254,20 @@ def assemble(
     """
     material, units = chain.material, chain.units
     length, stiffness, viscosity = material.length, material.stiffness, material.viscosity
+    least, greatest = strain[0], strain[1]
     for s in range(len(units)):
         i, j = units[s, 0], units[s, 1]
         rx, ry, rz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         squared = rx * rx + ry * ry + rz * rz
-        inverse = 1.0 / np.sqrt(squared)
+        inverse = 1.0 / math.sqrt(squared)
         distance = squared * inverse
         ratio = distance / length[s]
-        strain[0] = min(strain[0], ratio)
-        strain[1] = max(strain[1], ratio)
-        rest = muscle[s] if s < len(muscle) else length[s]
+        least, greatest = min(least, ratio), max(greatest, ratio)
+        stretch = distance - muscle[s] if s < len(muscle) else distance - length[s]
         along = (
             (v[j, 0] - v[i, 0]) * rx + (v[j, 1] - v[i, 1]) * ry + (v[j, 2] - v[i, 2]) * rz
         ) * inverse
-        eta = (stiffness[s] * (distance - rest) + viscosity[s] * along) * inverse  # Tu eq. 4.1
+        eta = (stiffness[s] * stretch + viscosity[s] * along) * inverse  # Tu eq. 4.1
         load[i, 0] += eta * rx
         load[i, 1] += eta * ry
         load[i, 2] += eta * rz
@@ -216,10 +276,11 @@ def assemble(
         load[j, 2] -= eta * rz
         # Under compression eta is negative and could make A indefinite: leave out the implicit
         # part; the load has the full force.
-        if eta > 0.0:
-            band[i, 0] += eta * step
-            band[j, 0] += eta * step
-            band[i, j - i] -= eta * step
+        held = max(0.0, eta) * step
+        band[i, 0] += held
+        band[j, 0] += held
+        band[i, j - i] -= held
+    strain[0], strain[1] = least, greatest
     for i in range(len(x)):
         inertia = material.mass[i] / step
         band[i, 0] += inertia
@@ -262,37 +323,65 @@ def advance_chain(
 
     Only the hull of 23 nodes can be in Tu's water.
     """
+    solver = Solver(chain, make_workspace(x, len(chain.kept)))
+    advance_solver(x, v, solver, muscles, water, force, step, watch)
+
+
+@kernel
+def advance_solver(
+    x: Floats,
+    v: Floats,
+    solver: Solver,
+    muscles: Floats,
+    water: Floats,
+    force: Floats,
+    step: float,
+    watch: Floats,
+) -> None:
+    """Advance a body, or lanes, as `advance_chain`, in a workspace that exists."""
+    chain, workspace = solver
     material, kept = chain.material, chain.kept
-    nodes, sections = len(x), len(kept)
-    rows = nodes + HALF_BANDWIDTH
-    band = np.empty((rows, HALF_BANDWIDTH + 1))
-    load = np.zeros((rows, 3))
-    slender = material.sections.added[sections - 1] > 0.0
-    axes = np.empty((3, sections, 3))
-    tangent, normal, before = axes
-    columns = np.empty((rows, sections))
+    band, load, axes = workspace.band, workspace.load, workspace.axes
+    tangent, normal, before = axes[0], axes[1], axes[2]
+    nodes, rows, sections = len(x), len(load), len(kept)
+    slender = first(material.sections.added[sections - 1]) > 0.0
+    for i in range(rows):
+        for axis in range(3):
+            load[i, axis] = 0.0
     if slender:
-        section_frames(x - step * v, tangent, normal)
+        for i in range(nodes):
+            for axis in range(3):
+                load[i, axis] = x[i, axis] - step * v[i, axis]
+        section_frames(load, tangent, normal)
     for n in range(muscles.shape[0]):
-        band[:] = 0.0
-        load[:nodes] = force
+        for i in range(rows):
+            for k in range(HALF_BANDWIDTH + 1):
+                band[i, k] = 0.0
+        for i in range(nodes):
+            for axis in range(3):
+                load[i, axis] = force[i, axis]
         if slender:
-            before[:] = normal
+            for k in range(sections):
+                for axis in range(3):
+                    before[k, axis] = normal[k, axis]
             section_frames(x, tangent, normal)
-            resistance = add_section_forces(v, water, material.sections, kept, step, axes, load)
+            add_section_forces(
+                v, water, material.sections, kept, step, axes, load, workspace.resistance
+            )
         else:
             add_water_force(x, v, water, material.drag, load)
-        assemble(x, v, chain, muscles[n], step, band, load, watch[:2])
-        watch[2] = min(watch[2], factorize(band))
+        assemble(x, v, chain, muscles[n], step, band, load, watch)
+        watch[2] = min(watch[2], factorize(band, workspace.column))
         if slender:
-            section_means(columns)
-            couple_sections(band, load, columns, normal, resistance, kept)
+            section_means(workspace.columns)
+            couple_sections(workspace)
         else:
             substitute(band, load)
         for i in range(nodes):
             for axis in range(3):
-                v[i, axis] = load[i, axis]
-                x[i, axis] += step * load[i, axis]
+                value = load[i, axis]
+                v[i, axis] = value
+                x[i, axis] += step * value
 
 
 ROUNDS = 4  # number of rounds. Two are exact to 1e-6 for a fish; extreme bodies may need more

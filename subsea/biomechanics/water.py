@@ -1,9 +1,10 @@
 """The force of the water on the hull (Tu eq. 4.3)."""
 
-import numpy as np
+import math
 
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats
 from subsea.kernels import kernel
+from subsea.kernels.lanes import any_positive, where_positive
 
 
 @kernel
@@ -26,9 +27,12 @@ def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Flo
         uy = v[a, 1] + v[b, 1] + v[c, 1] - 3.0 * water[1]
         uz = v[a, 2] + v[b, 2] + v[c, 2] - 3.0 * water[2]
         outward = nx * ux + ny * uy + nz * uz
-        if outward > 0.0:
-            speed_per_area = np.sqrt((ux * ux + uy * uy + uz * uz) / (nx * nx + ny * ny + nz * nz))
-            scale = -drag * TRIANGLE_WEIGHTS[k] * speed_per_area * outward / 54.0
+        if any_positive(outward):
+            speed_per_area = math.sqrt(
+                (ux * ux + uy * uy + uz * uz) / (nx * nx + ny * ny + nz * nz)
+            )
+            push = -drag * TRIANGLE_WEIGHTS[k] * speed_per_area * outward / 54.0
+            scale = where_positive(outward, push)
             fx, fy, fz = scale * nx, scale * ny, scale * nz
             for node in (a, b, c):
                 force[node, 0] += fx

@@ -105,9 +105,9 @@ def test_the_force_turns_with_the_body_and_ignores_a_common_current(seed):
         tangent, normal = frames(x)
         load = np.zeros((30, 3))
         before = frames(x - STEP * (v - water))[1]
-        resistance = add_section_forces(
-            v, water, body.sections, ALL_KEPT, STEP, np.array([tangent, normal, before]), load
-        )
+        resistance = np.empty(SECTIONS)
+        axes = np.array([tangent, normal, before])
+        add_section_forces(v, water, body.sections, ALL_KEPT, STEP, axes, load, resistance)
         # The implicit part at the old velocity completes the force.
         along = np.einsum("ki,ki->k", means(v), normal)
         total: Floats = load.sum(axis=0) - (resistance * along) @ normal
@@ -128,9 +128,8 @@ def test_a_rigid_body_at_an_angle_feels_the_lift_of_a_slender_wing(slender):
     u, w = 4.0, 0.3
     v = np.tile(u * tangent[0] + w * normal[0], (NODES, 1))
     load = np.zeros((30, 3))
-    resistance = add_section_forces(
-        v, STILL, body.sections, ALL_KEPT, STEP, np.array([tangent, normal, normal]), load
-    )
+    resistance, axes = np.empty(SECTIONS), np.array([tangent, normal, normal])
+    add_section_forces(v, STILL, body.sections, ALL_KEPT, STEP, axes, load, resistance)
     along = np.einsum("ki,ki->k", means(v), normal)
     total = load.sum(axis=0) - (resistance * along) @ normal
     edge = np.pi / 4 * plan.section_heights[-1] ** 2
@@ -174,9 +173,8 @@ def test_a_prescribed_wave_gives_lighthills_thrust(slender):
         x, v = nodes(t)
         tangent, normal = frames(x)
         load = np.zeros((30, 3))
-        add_section_forces(
-            v, STILL, sections, ALL_KEPT, step, np.array([tangent, normal, normal]), load
-        )
+        resistance, axes = np.empty(SECTIONS), np.array([tangent, normal, normal])
+        add_section_forces(v, STILL, sections, ALL_KEPT, step, axes, load, resistance)
         # The flux alone: without the momentum that the implicit part gives back.
         along = np.einsum("ki,ki->k", means(v), normal)
         held = (sections.added / step * along) @ normal
@@ -233,9 +231,8 @@ def test_the_tail_of_a_dace_pushes_as_in_lighthills_table(slender):
         v = np.tile(10.0 * speed * np.array([np.cos(way), 0.0, np.sin(way)]), (NODES, 1))
         tangent, normal = frames(x)
         load = np.zeros((30, 3))
-        add_section_forces(
-            v, STILL, body.sections, ALL_KEPT, STEP, np.array([tangent, normal, normal]), load
-        )
+        resistance, axes = np.empty(SECTIONS), np.array([tangent, normal, normal])
+        add_section_forces(v, STILL, body.sections, ALL_KEPT, STEP, axes, load, resistance)
         along = np.einsum("ki,ki->k", means(v), normal)
         held = (body.sections.added / STEP * along) @ normal
         thrust.append(1e-3 * (load.sum(axis=0) - held)[0])  # g cm/tu² is 1e-3 N

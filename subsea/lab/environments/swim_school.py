@@ -17,6 +17,7 @@ from subsea.biomechanics.body import NODES
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.solver import TICK_S
 from subsea.fish.species import Species, load_species, muscular_names
+from subsea.kernels.lanes import LANES
 from subsea.lab.environments.swim_bodies import (
     ACTIONS,
     BOUND,
@@ -110,7 +111,7 @@ def draw_goal(
 
 
 DISTURBANCE = 0.1  # rms random velocity of each node at the start, cm/tu
-LEAST_PART = 16  # bodies, about 0.3 ms of work: fewer are not worth a thread
+LEAST_PART = 32  # bodies, about 0.15 ms of work: fewer are not worth a thread
 PARTS_PER_THREAD = 4  # a thread that is held up then delays the step less
 
 ACTION_SPACE = spaces.Box(-1.0, 1.0, (ACTIONS,), np.float32)
@@ -202,7 +203,7 @@ class SwimSchool:
         if self._pool is None or parts < 2:
             swim(who, self.bodies, actions, self._ticks)
             return
-        cut = np.array_split(who, parts)
+        cut = whole_lanes(who, parts)
         list(self._pool.map(lambda part: swim(part, self.bodies, actions, self._ticks), cut))
 
     def _distances(self) -> Array:
@@ -214,6 +215,12 @@ class SwimSchool:
         x = self.bodies.x[i]
         length = self.bodies.body_length
         self.bodies.goal[i] = draw_goal(self._goal, 0.5 * (x[5] + x[7]), length, random)
+
+
+def whole_lanes(who: Ints, parts: int) -> list[Ints]:
+    """Cut ``who`` into about equal parts. All but the last part fill their lanes."""
+    groups = -(-len(who) // LANES)
+    return np.split(who, LANES * (np.arange(1, parts) * groups // parts))
 
 
 def checked_actions(actions: object, shape: tuple[int, ...]) -> Array:

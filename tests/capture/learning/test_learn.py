@@ -21,7 +21,14 @@ from capture.learning.fitness import (
 )
 from capture.learning.improve import write_plans
 from capture.learning.learn import LearnedControllers, learn
-from capture.learning.search import METHODS, MIN_DISTANCE, Evaluation, distinct, search
+from capture.learning.search import (
+    METHODS,
+    MIN_DISTANCE,
+    Evaluation,
+    distinct,
+    one_by_one,
+    search,
+)
 from capture.learning.swim import swim_at, swim_point
 from capture.learning.turn import refit_holds, turn_at, turn_point, with_holds
 from subsea.base.errors import UserError
@@ -226,7 +233,7 @@ def test_both_methods_approach_the_least_of_a_bowl(method):
     aim = np.array([0.3, 0.7, 0.5])
     told: list[object] = []
     tried = search(
-        lambda point: float(((point - aim) ** 2).sum()),
+        one_by_one(lambda point: float(((point - aim) ** 2).sum())),
         np.full(3, 0.95),
         method,
         150,
@@ -249,7 +256,7 @@ def test_a_search_leaves_the_random_numbers_of_others_alone():
     np.random.seed(3)  # noqa: NPY002
     expected = np.random.random(4)  # noqa: NPY002
     np.random.seed(3)  # noqa: NPY002
-    search(lambda point: float(point.sum()), np.full(2, 0.5), "cma", 20, 1)
+    search(one_by_one(lambda point: float(point.sum())), np.full(2, 0.5), "cma", 20, 1)
     np.testing.assert_array_equal(np.random.random(4), expected)  # noqa: NPY002
 
 

@@ -128,11 +128,11 @@ def test_an_interrupted_search_ends_as_an_uninterrupted_one(tmp_path, monkeypatc
     losses = read_journal(tmp_path / "whole")["searches"][0]
     assert len(losses) == 5 and len(set(losses)) > 2
     journal = Journal(tmp_path / "cut", whole.key_of(task("cut")))
-    loss = journal.remembered(losses.__getitem__)
-    assert [loss(k) for k in range(3)] == losses[:3]
+    remembered = journal.remembered(lambda places: [losses[k] for k in places])
+    assert remembered([0]) + remembered([1, 2]) == losses[:3]
     journal.save()
-    tried, real = [], whole.wave_loss
-    monkeypatch.setattr(whole, "wave_loss", lambda *given: tried.append(given) or real(*given))
+    tried, real = [], whole.wave_course
+    monkeypatch.setattr(whole, "wave_course", lambda *given: tried.append(given) or real(*given))
     learn_whole(task("cut"))
     assert len(tried) == 2
     assert read_journal(tmp_path / "cut") == read_journal(tmp_path / "whole")
@@ -143,10 +143,10 @@ def test_a_journal_of_another_search_or_a_damaged_one_is_not_used(tmp_path):
     for text in ("", "[]", '{"searches": 3}', '{"searches": [["a"]], "key": "k"}', "\x00"):
         path.write_text(text, encoding="utf-8")
         assert evaluations(path) == 0
-        assert Journal(path, "k").remembered(lambda given: 2.0)(0) == 2.0
+        assert Journal(path, "k").remembered(lambda given: [2.0])([0]) == [2.0]
     path.write_text(json.dumps({"key": "other", "searches": [[1.0]]}), encoding="utf-8")
-    assert Journal(path, "k").remembered(lambda given: 2.0)(0) == 2.0
-    assert Journal(path, "other").remembered(lambda given: 2.0)(0) == 1.0
+    assert Journal(path, "k").remembered(lambda given: [2.0])([0]) == [2.0]
+    assert Journal(path, "other").remembered(lambda given: [2.0])([0]) == [1.0]
 
 
 def test_the_command_writes_finished_species_once(tmp_path, monkeypatch, capsys):

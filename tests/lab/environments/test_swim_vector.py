@@ -7,8 +7,10 @@ from gymnasium.vector import AutoresetMode
 
 import subsea.lab.environments  # noqa: F401  registers the environments
 from subsea.base.errors import UserError
+from subsea.kernels.lanes import LANES
 from subsea.lab.environments.swim import SwimEnv, SwimVectorEnv
-from subsea.lab.environments.swim_bodies import ACTIONS
+from subsea.lab.environments.swim_bodies import ACTIONS, swim
+from subsea.lab.environments.swim_school import Exercise, SwimSchool, whole_lanes
 
 STEPS = 12
 
@@ -55,6 +57,16 @@ def test_the_number_of_threads_changes_nothing():
         runs.append([(seen.tobytes(), rewards.tobytes()) for seen, rewards, *_ in steps])
         env.close()
     assert runs[0] == runs[1] == runs[2]
+
+
+@pytest.mark.parametrize(("number", "parts"), [(100, 3), (64, 2), (33, 2), (1024, 8)])
+def test_parts_of_threads_fill_their_lanes(number, parts):
+    cut = whole_lanes(np.arange(number), parts)
+    assert len(cut) == parts
+    np.testing.assert_array_equal(np.concatenate(cut), np.arange(number))
+    sizes = [len(part) for part in cut]
+    assert not any(size % LANES for size in sizes[:-1])
+    assert max(sizes) - min(sizes) < 2 * LANES
 
 
 def test_gymnasium_makes_it():
@@ -121,3 +133,30 @@ def test_bad_actions_are_a_value_error_of_one_line(shape, value, told):
 def test_a_bad_number_is_a_user_error(given):
     with pytest.raises(UserError, match="expected 1 or more"):
         SwimVectorEnv(**given)
+
+
+@pytest.mark.parametrize(
+    ("species", "task", "ticks"),
+    [
+        ("fusilier", "speed", 1),
+        ("emperor_angelfish", "place", 3),
+        ("blacktip_reef_shark", "heading", 2),
+    ],
+)
+def test_bodies_in_lanes_swim_as_each_does_alone(species, task, ticks):
+    """In any order and number, beside bodies that burst."""
+    number, random = 2 * LANES + 3, np.random.default_rng(3)
+    lanes, alone = (SwimSchool(number, Exercise(species, task, None, ticks)) for _ in range(2))
+    for school in (lanes, alone):
+        school.begin(np.arange(number), [np.random.default_rng(i) for i in range(number)])
+        school.bodies.v[4] *= 500.0
+        school.bodies.v[9, 3] = np.nan
+    for size in (number, LANES, LANES + 1, 3, 2, 1):
+        who = random.permutation(number)[:size]
+        actions = random.uniform(-1.2, 1.2, (number, ACTIONS)).astype(np.float32)
+        swim(who, lanes.bodies, actions, ticks)
+        for i in who:
+            swim(np.array([i]), alone.bodies, actions, ticks)
+    assert lanes.bodies.sound.sum() == number - 2
+    for name, found, expected in zip(lanes.bodies._fields, lanes.bodies, alone.bodies, strict=True):
+        np.testing.assert_array_equal(found, expected, name)
