@@ -29,7 +29,7 @@ class LevelState(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """What the calls of the last picture were made for, changed in place."""
+    """The visible and bitten items of the last picture, changed in place."""
 
     seen: Bools  # (v, k) by each view
     bitten: Bools  # (k,) drawn with traces of feeding
