@@ -77,6 +77,12 @@ def remembered(name: str, make: Callable[[], T]) -> T:
     return made
 
 
+def forget() -> None:
+    """Drop all results in memory: they are of a scenario that is left."""
+    with _remembering:
+        _remembered.clear()
+
+
 def recall(name: str, kind: Any) -> Any:
     """Read a value of a type that is shipped or was kept; LookupError if missing or damaged."""
     with suppress(Exception):  # anything unexpected counts as missing

@@ -53,7 +53,8 @@ def _scenery() -> None:
     # Not above: what compiles without drawing imports no OpenGL.
     from subsea.rendering.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
     from subsea.rendering.fish.soft_shadows import Sand, cast
-    from subsea.rendering.gl.static_batch import bounding_spheres, levels_in_sight
+    from subsea.rendering.gl import item_levels
+    from subsea.rendering.gl.static_batch import NO_BITES, bounding_spheres
     from subsea.rendering.reef.rocks import object_ids, overgrown
     from subsea.rendering.reef.seaweed import FRONDS_AT, fronds_of
     from subsea.rendering.sea.ground_map import with_growths
@@ -70,10 +71,18 @@ def _scenery() -> None:
     packet = pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
     spots = np.zeros((1, SHADOW_COLUMNS), np.float32)
     cast(packet.instances, np.ones(len(world.species)), sand, ROCK[0, :3], ROCK[0, :3], spots)
-    before = np.zeros(len(spheres), np.int64)
-    levels_in_sight(
-        (spheres[:, :3].copy(), spheres[:, 3].copy()), packet.views, 1.0, 1.0, np.ones(2), before
+    centres, radii, state = (
+        spheres[:, :3].copy(), spheres[:, 3].copy(), item_levels.empty_levels(len(spheres))
+    )  # fmt: skip
+    levels, seen = item_levels.levels_in_sight(
+        (centres, radii), packet.views, 1.0, 1.0, np.ones(2), state.level
     )
+    drawn = item_levels.Drawn(seen.copy(), seen[0].copy())
+    shown, boxes = np.ones(len(levels), np.bool_), (centres, centres)
+    item_levels.advance(levels, shown, seen, 0.0, boxes, NO_BITES, state, drawn)
+    near = item_levels.nearness(centres, radii, centres, drawn.seen)
+    ranges, absent = np.zeros((len(levels), 1, 3), np.int64), np.ones((len(levels), 1), np.bool_)
+    item_levels.list_calls(np.argsort(near), state, drawn, ranges, absent)
     everything = np.ones((1, len(packet.leaves)), np.bool_)
     fronds_of(packet.leaves, everything, 0, len(packet.leaves), FRONDS_AT[0])
     (view,) = packet.views

@@ -5,7 +5,7 @@ import gc
 import json
 import time
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, suppress
+from contextlib import closing
 from itertools import count
 from pathlib import Path
 from statistics import median
@@ -21,6 +21,7 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import json_file
 from subsea.base.files import check_file, replacing
+from subsea.base.memory import resident_mb, trim
 from subsea.base.progress import clock, count_noun, progress, say
 from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
@@ -220,6 +221,7 @@ def _dive(
                 if snapshot.checksum_of(snapshot.constant(world)) != fixed:
                     fault("a constant of the world has changed")
                 watch.checksums.append(snapshot.checksum(world))
+                trim()  # free memory is up to half of a dive with drawing
                 watch.memory_mb.extend(resident_mb())
                 watch.things.append(len(gc.get_objects()))
                 watch.alive.append(int(world.state.fishes.alive.sum()))
@@ -346,21 +348,6 @@ def growth(values: Sequence[float]) -> float:
         return 0.0
     grown = median(values[-quarter:]) / median(values[quarter : 2 * quarter]) - 1.0
     return grown if grown > MAX_GROWTH else 0.0
-
-
-def resident_mb() -> list[float]:
-    """Read the resident memory of this process, MB, in a list; empty without a figure.
-
-    Returns free memory of the allocator to the system first: up to half of a dive with drawing.
-    """
-    with suppress(AttributeError, OSError, TypeError):  # not glibc
-        ctypes.CDLL(None).malloc_trim(0)
-    try:
-        status = Path("/proc/self/status").read_text(encoding="ascii")
-    except OSError:
-        return []
-    line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
-    return [int(line.split()[1]) / 1024]
 
 
 def _tell(world: World, watch: Observations, drawn: bool, seconds: float) -> None:

@@ -37,7 +37,7 @@ from subsea.rendering.sea.seabed import SeabedRenderer, surroundings
 from subsea.rendering.sea.sunlight import LightShaftRenderer, SunShadows
 from subsea.rendering.sea.water import WaterRenderer
 from subsea.scenario.schema import Grade
-from subsea.view.camera import View
+from subsea.view.camera import View, middle_eye
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
@@ -316,15 +316,18 @@ class Renderer(GpuOwner):
 
     def _cast(self, packet: Packet) -> dict[str, Any]:
         """Draw the maps of shadows; returns their uniforms, and those that select programs."""
-        eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
+        chosen = {"u_close_up": self.quality.close_up, "u_integers": self.quality.integers}
+        wants = {name: True for name, wanted in chosen.items() if wanted}
+        if not self._sun.maps:
+            return wants
+        eye = middle_eye(packet.views)
         fishes = partial(self._fishes.cast, len(packet.instances) if self.bodies else 0)
         standing = (
             partial(self._rocks.cast, level=rocks.CAST_LEVEL),
             partial(self._coral.cast, level=coral.CAST_LEVEL),
         )
         maps = self._sun.draw(standing, fishes, eye, water_of(packet, self._scene.water).hour)
-        chosen = {"u_close_up": self.quality.close_up, "u_integers": self.quality.integers}
-        return maps | {name: True for name, wanted in chosen.items() if wanted}
+        return maps | wants
 
     def show(self, canvas: Bytes, into: Into = OWN) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""

@@ -6,9 +6,11 @@ from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from typing import Any
 
+from subsea.base.disk_cache import forget
 from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.language import marked, set_language, translated
+from subsea.base.memory import give_back_memory
 from subsea.base.progress import say
 from subsea.dive.captions import Caption, FaultLog, caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
@@ -224,6 +226,7 @@ class Dive:
         `source` is the scenario's file.
         """
         self.tick_source.change()
+        forget()
         try:
             world = self._load(scenario, source, seed)
         except UserError as fault:
@@ -479,6 +482,7 @@ class Dive:
             self.inspector.reset()
             self.card.clear()
             self._of_world = undo.pop_all()
+        give_back_memory()  # of the world before, and what making this one took
 
     def _follow(self, settings: Settings) -> None:
         """Follow settings that a visitor changed."""

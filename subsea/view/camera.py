@@ -5,6 +5,7 @@ transposed here.
 """
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -23,7 +24,7 @@ NEAR_CM = 5.0
 FAR_CM = 6000.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """A camera: its viewport and the matrices that map points into it."""
 
@@ -34,11 +35,23 @@ class View:
     without: int = -1  # the fish whose eye it is, which it does not show
 
     @cached_property
+    def world_to_clip(self) -> Array:
+        """The matrix (4, 4) from the world to clip space, in double precision."""
+        return np.asarray(self.projection.astype(np.float64) @ self.view.astype(np.float64))
+
+    @cached_property
     def planes(self) -> Array:
         """Planes (6, 4) of the frustum, unit normals: a·x + b·y + c·z + d ≥ 0 inside."""
-        m = self.projection.astype(np.float64) @ self.view.astype(np.float64)
+        m = self.world_to_clip
         planes = np.concatenate([m[3] + m[:3], m[3] - m[:3]])
         return np.asarray(planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True))
+
+
+def middle_eye(views: Sequence[View]) -> Array:
+    """Return the mean position (3,) of the eyes of views, cm."""
+    if len(views) == 1:
+        return np.asarray(views[0].eye, np.float64)
+    return np.asarray(np.mean([view.eye for view in views], axis=0), np.float64)
 
 
 def look(eye: Array, forward: Array, up: Array) -> Array:
@@ -46,8 +59,8 @@ def look(eye: Array, forward: Array, up: Array) -> Array:
     # Single numbers: numpy takes ten times as long for vectors of three.
     place = np.asarray(eye, np.float64).tolist()
     ahead = _unit(np.asarray(forward, np.float64).tolist())
-    side = _unit(_cross(ahead, np.asarray(up, np.float64).tolist()))
-    above = _unit(_cross(side, ahead))
+    side = _unit(cross(ahead, np.asarray(up, np.float64).tolist()))
+    above = _unit(cross(side, ahead))
     behind = [-x for x in ahead]
     rows = [[*axis, -sum(map(mul, axis, place))] for axis in (side, above, behind)]
     return np.array([*rows, [0.0, 0.0, 0.0, 1.0]], np.float32)
@@ -58,7 +71,8 @@ def _unit(a: list[float]) -> list[float]:
     return [a[0] / length, a[1] / length, a[2] / length]
 
 
-def _cross(a: list[float], b: list[float]) -> list[float]:
+def cross(a: list[float], b: list[float]) -> list[float]:
+    """Multiply two vectors; numpy takes ten times as long."""
     return [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

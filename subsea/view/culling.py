@@ -1,6 +1,7 @@
 """View-frustum culling, and projected sizes (SMC §7.1)."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import sqrt
 from typing import NamedTuple
 
@@ -32,7 +33,12 @@ class ViewArrays(NamedTuple):
 
 
 def view_arrays(views: Sequence[View]) -> ViewArrays:
-    """The planes, eyes and scales of views, as arrays."""
+    """Return the planes, eyes and scales of views, as arrays that nobody writes to."""
+    return _view_arrays(tuple(views))
+
+
+@lru_cache(maxsize=2)  # several parts of a picture ask for the same
+def _view_arrays(views: tuple[View, ...]) -> ViewArrays:
     planes, eyes = np.empty((len(views), 6, 4)), np.empty((len(views), 3))
     for v, view in enumerate(views):
         planes[v], eyes[v] = view.planes, view.eye

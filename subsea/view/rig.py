@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.view.camera import View, look
+from subsea.view.camera import View, cross, look
 from subsea.view.theatre_vessel import TheatreVessel
 
 Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
@@ -32,7 +32,8 @@ class CameraPose(NamedTuple):
     @property
     def axes(self) -> Array:
         """Rows right, up, ahead (3, 3)."""
-        return np.stack([np.cross(self.forward, self.up), self.up, self.forward])
+        ahead, above = (np.asarray(way, np.float64).tolist() for way in (self.forward, self.up))
+        return np.array([cross(ahead, above), above, ahead])
 
 
 class Eye(NamedTuple):

@@ -74,7 +74,7 @@ def file_version(path: Path) -> tuple[int, int] | None:
     return status.st_mtime_ns, status.st_size
 
 
-@lru_cache(maxsize=2)  # worlds with all species of the project take 50 MB
+@lru_cache(maxsize=1)  # of the bay 100 MB
 def _motion(files: tuple[tuple[object, ...], ...]) -> RecordedMotion:
     """Pack the motion of species by name."""
     names = [str(name) for name, *_ in files]

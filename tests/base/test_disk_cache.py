@@ -338,3 +338,15 @@ def test_files_are_for_the_user_alone_whatever_the_umask(module, place, mask):
         os.umask(before)
     assert maker.made == [5]
     assert [path.stat().st_mode & 0o777 for path in place.iterdir()] == [0o600]
+
+
+def test_what_is_remembered_can_be_forgotten():
+    made = []
+
+    def make():
+        made.append(len(made))
+        return made[-1]
+
+    assert [disk_cache.remembered("a name of this test", make) for _ in range(2)] == [0, 0]
+    disk_cache.forget()
+    assert disk_cache.remembered("a name of this test", make) == 1

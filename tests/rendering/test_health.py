@@ -2,9 +2,11 @@
 
 import ctypes
 import ctypes.util
+import gc
 import os
 import subprocess
 import sys
+import weakref
 from pathlib import Path
 
 import pytest
@@ -67,6 +69,20 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
     for held in (texture, buffer, array.program, array):
         held.release()
     assert living() == before
+
+
+def test_a_scenario_that_was_left_is_freed(context):
+    world = start_world("peaceful", fish=4)
+    renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])
+    renderer.draw(
+        pack(world, views_for("mono", SIZES[0], cockpit(world.state.submarine, 1.0)), 1.0)
+    )
+    fishes, sea = world.state.fishes.position, world.state.sea.heights
+    left = [weakref.ref(part) for part in (world, renderer, fishes, sea)]
+    renderer.release()
+    del world, renderer, fishes, sea
+    gc.collect()
+    assert [part() for part in left] == [None] * 4
 
 
 @pytest.mark.nightly

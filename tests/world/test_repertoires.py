@@ -1,7 +1,9 @@
 """Species and repertoires are read once, and again when their files change."""
 
+import gc
 import os
 import shutil
+import weakref
 from pathlib import Path
 
 import h5py
@@ -97,3 +99,11 @@ def test_worlds_of_the_same_species_share_their_motion(monkeypatch):
     changed = create_world(scenario, 3).library
     assert changed.control_points is not one.library.control_points
     np.testing.assert_array_equal(changed.control_points, one.library.control_points)
+
+
+def test_only_the_motion_of_the_last_species_is_kept():
+    packed = weakref.ref(repertoires.motion_of(["clownfish"]).library.control_points)
+    assert packed() is repertoires.motion_of(["clownfish"]).library.control_points
+    repertoires.motion_of(["fusilier"])
+    gc.collect()
+    assert packed() is None

@@ -127,6 +127,8 @@ class FishRenderer(GpuOwner):
         # Never empty: the first call of a program reads one instance.
         records = packet.instances if len(packet.instances) else NOBODY
         replace_data(self._instances, np.ascontiguousarray(records))
+        if not len(packet.live_points):
+            return
         texels = _texels(packet.live_points)
         points, first = texels.shape[1], packet.live_row
         while len(texels):  # at once, but for rows of the next block

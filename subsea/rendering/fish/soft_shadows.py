@@ -14,6 +14,7 @@ from subsea.kernels import kernel
 from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.shaders import program, set_uniforms
 from subsea.state import HULL_CM
+from subsea.view.camera import middle_eye
 
 HIGHEST_CM = 200.0  # height over the sand from which on there is no shadow
 FARTHEST_CM = 700.0  # distance from the eye, likewise
@@ -62,7 +63,7 @@ class SoftShadowRenderer(GpuOwner):
 
     def upload(self, packet: Packet, fishes: bool = True) -> None:
         """Compute and upload the shadows of a packet; without `fishes`, the submarine's alone."""
-        eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
+        eye = middle_eye(packet.views)
         vessel = eye if packet.vessel is None else np.asarray(packet.vessel, np.float64)
         records = packet.instances if fishes else packet.instances[:0]
         self._number = cast(records, self._lengths, self._sand, eye, vessel, self._records)

@@ -38,13 +38,14 @@ NEEDS = {
 }
 
 BLOCKS = {"Looks": 0, "View": 1}  # bindings of uniform blocks
-# Each member of the view's buffer in the layout std140, with the gap behind it.
+# The members of the view's buffer: matrices of 64 bytes, and numbers of floats.
+_MATRIX = 16
 _MEMBERS = {
-    "u_view": "16f", "u_projection": "16f", "u_view_projection": "16f", "u_inverse": "16f",
-    "u_eye": "3f", "u_time": "1f", "u_balance": "3f4x", "u_far": "3f4x", "u_broad": "3f4x",
-    "u_narrow": "3f", "u_unit": "1f",
+    "u_view": _MATRIX, "u_projection": _MATRIX, "u_view_projection": _MATRIX, "u_inverse": _MATRIX,
+    "u_eye": 3, "u_time": 1, "u_balance": 3, "u_far": 3, "u_broad": 3, "u_narrow": 3, "u_unit": 1,
 }  # fmt: skip
-_VIEW_BYTES = sum(map(struct.calcsize, _MEMBERS.values()))
+# Their places in the layout std140: three floats end with a gap, unless a single one follows.
+_VIEW = struct.Struct("=64s64s64s64s3f1f3f4x3f4x3f4x3f1f")
 
 
 def program(context: Any, name: str, **constants: int) -> Any:
@@ -104,7 +105,7 @@ def set_uniforms(target: Any, **values: Any) -> None:
         uniforms = {name: member for name, member in members.items() if isinstance(member, Uniform)}
         target.extra = uniforms, "View" in members
         for name in TEXTURE_UNITS.keys() & uniforms.keys():
-            uniforms[name].value = TEXTURE_UNITS[name]
+            uniforms.pop(name).value = TEXTURE_UNITS[name]
         for name in BLOCKS.keys() & members.keys():
             members[name].binding = BLOCKS[name]
     uniforms, sees = target.extra
@@ -122,15 +123,16 @@ def set_uniforms(target: Any, **values: Any) -> None:
 
 def view_block(values: dict[str, Any]) -> bytes:
     """Pack the content of the view's buffer: matrices as bytes, vectors, the time."""
-    return b"".join(_packed(layout, values.get(name)) for name, layout in _MEMBERS.items())
-
-
-def _packed(layout: str, value: Any) -> bytes:
-    if value is None:
-        return bytes(struct.calcsize(layout))
-    if isinstance(value, bytes):
-        return value
-    return struct.pack(layout, *((value,) if isinstance(value, float) else value))
+    parts: list[Any] = []
+    for name, number in _MEMBERS.items():
+        value = values.get(name)
+        if number == _MATRIX:
+            parts.append(bytes(64) if value is None else value)
+        elif number == 1:
+            parts.append(value or 0.0)
+        else:
+            parts += (0.0,) * number if value is None else value
+    return _VIEW.pack(*parts)
 
 
 class ViewBuffer:
@@ -138,7 +140,7 @@ class ViewBuffer:
 
     def __init__(self, context: Any) -> None:
         """Bind the buffer for all programs of the context."""
-        self._buffer = context.buffer(reserve=_VIEW_BYTES)
+        self._buffer = context.buffer(reserve=_VIEW.size)
         self._buffer.bind_to_uniform_block(BLOCKS["View"])
         self._content = b""
 

@@ -1,6 +1,7 @@
 """The canvas in linear light, the pass that resolves it to eight bits, and further windows."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -105,6 +106,7 @@ LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
 
 
+@lru_cache(maxsize=8)
 def gain(grade: Grade) -> tuple[float, float, float]:
     """The factors of a grade on red, green and blue light, before contrast and saturation."""
     red, green, blue = 2.0**grade.exposure_ev * np.exp(WARMEST * grade.warmth * AMBER)
@@ -208,6 +210,10 @@ class ResolvePass(GpuOwner):
         self._masks: list[Any] = [
             None if p.mask is None else self._mask(p.mask) for p in self.patches
         ]
+        # 0 without a mask, 1 with one, 2 if it adds light.
+        self._masked = [
+            0 if p.mask is None else 1 + bool(np.any(p.mask[..., 3])) for p in self.patches
+        ]
         for number, patch in enumerate(self.patches):
             self._array(number, True, exact=self._exact(patch, patch.left))
 
@@ -274,7 +280,7 @@ class ResolvePass(GpuOwner):
         """The program of a patch, compiled when first needed, and its vertex array."""
         patch = self.patches[number]
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
-        masked = 0 if patch.mask is None else 1 + bool(np.any(patch.mask[..., 3]))
+        masked = self._masked[number]
         mesh = patch.warp is not None
         graded = linear and self.grade != UNGRADED
         key = tuple(

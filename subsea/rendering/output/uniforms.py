@@ -106,9 +106,18 @@ class Daylight:
 
     def pupil(self, depth: float) -> float:
         """Factor on all light by the pupil of an eye at a depth, cm; 1 in plain water at noon."""
-        bright = LUMINANCE @ ((self.sun[2] * self.sunlight + self.skylight) * self.at(depth))
+        return self.pupil_in(self.at(depth))
+
+    def pupil_in(self, light: Array) -> float:
+        """Factor on all light by the pupil of an eye in this `light` (3,), as of `at`."""
+        bright = LUMINANCE @ (self.flat * light)
         wide = WIDE + (OWL - WIDE) * self.open
-        return float(np.clip((_usual() / bright) ** PUPIL, NARROW, wide))
+        return min(max(float((_usual() / bright) ** PUPIL), NARROW), wide)
+
+    @cached_property
+    def flat(self) -> Array:
+        """Daylight (3,) on level ground at no depth."""
+        return np.asarray(self.sun[2] * self.sunlight + self.skylight)
 
 
 @lru_cache(maxsize=16)
@@ -161,8 +170,9 @@ def light_uniforms(water: Water, eye: Array | tuple[float, ...]) -> dict[str, An
     """
     light = daylight(water)
     depth = max(-float(eye[2]), 0.0)
-    balance = light.balance(depth) * light.pupil(depth)
-    here = np.exp(-light.down * depth) * balance / light.level
+    left, balance = np.exp(-light.down * depth), light.balance(depth)
+    balance *= light.pupil_in(left * balance)
+    here = left * balance / light.level
     return light.steady | {
         "u_balance": tuple(balance.tolist()),
         "u_far": tuple((FAR * light.far * here).tolist()),
@@ -188,9 +198,10 @@ def uniforms_of(packet: Packet, view: View, water: Water, unit: float = 1.0) -> 
     `unit` is `RenderTarget.unit` of the canvas that the view is drawn on.
     """
     water = water_of(packet, water)
-    both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
-    rows = np.array([view.view, view.projection, both, np.linalg.inv(both)], np.float32)
-    matrices = rows.transpose(0, 2, 1).tobytes()  # in OpenGL's column-major order
+    columns = np.empty((4, 4, 4), np.float32)  # in OpenGL's column-major order
+    columns[0], columns[1] = view.view.T, view.projection.T
+    columns[2], columns[3] = view.world_to_clip.T, np.linalg.inv(view.world_to_clip).T
+    matrices = columns.tobytes()
     values = (
         {
             "u_view": matrices[:64],
@@ -210,6 +221,9 @@ def uniforms_of(packet: Packet, view: View, water: Water, unit: float = 1.0) -> 
     return values | {"view": view_block(values)}
 
 
+NO_BITES = {"u_bites": bytes(16 * MOST_BITES), "u_bitten": 0}
+
+
 def _lamps(packet: Packet) -> dict[str, Any]:
     """Positions and axes of the lamps; empty while they are off."""
     if packet.lamps is None:
@@ -220,6 +234,8 @@ def _lamps(packet: Packet) -> dict[str, Any]:
 
 def _bites(packet: Packet) -> dict[str, Any]:
     """Places where growth was eaten, padded to the length of the shaders' array."""
+    if not len(packet.bites):
+        return NO_BITES
     rows = np.zeros((MOST_BITES, 4), np.float32)
     rows[: len(packet.bites)] = packet.bites
     return {"u_bites": rows.tobytes(), "u_bitten": len(packet.bites)}

@@ -233,6 +233,7 @@ class CoralRenderer(StaticBatch):
         super().__init__(programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, balls)
         # Mounds are always drawn: other growths stand on them.
         self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
+        self._growth, self._shown = 1.0, self._own <= 1.0  # the last share, and what it shows
         self.textures = {
             "u_grain": self.own(repeating(context, grained, 6)),
             "u_polyps": self.own(repeating(context, budded, 7)),
@@ -240,7 +241,9 @@ class CoralRenderer(StaticBatch):
 
     def shown(self, growth: float) -> Bools:
         """Return True for each growth that is drawn if `growth` is the share of them to draw."""
-        return np.asarray(self._own <= growth)
+        if growth != self._growth:
+            self._growth, self._shown = growth, self._own <= growth
+        return self._shown
 
 
 def bake(reef: Reef) -> list[list[LazyMesh]]:

@@ -391,6 +391,6 @@ class RockRenderer(StaticBatch):
         if stone:
             # Neighbours overlap, more at coarse levels.
             places = [np.concatenate([one.vertices[:, :3] for one in own]) for own in stone]
-            self._low = np.stack([own.min(axis=0) for own in places])
-            self._high = np.stack([own.max(axis=0) for own in places])
+            self._low = np.stack([own.min(axis=0) for own in places]).astype(np.float64)
+            self._high = np.stack([own.max(axis=0) for own in places]).astype(np.float64)
             self.textures["u_relief"] = self.own(repeating(context, roughness, 5))

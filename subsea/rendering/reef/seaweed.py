@@ -93,6 +93,9 @@ class SeaweedRenderer(GpuOwner):
         ends = (near, (0, 0), far) if self._lush else ((0, 0), near, far)
         tables = (0, 2, 1 if self._lush else 3)
         for level, ((first, end), table) in enumerate(zip(ends, tables, strict=True)):
+            if first == end:
+                self._starts[level] = [0] * (len(packet.views) + 1)
+                continue
             fronds, starts = fronds_of(packet.leaves, seen, first, end, FRONDS_AT[table])
             self._starts[level] = starts.tolist()
             if len(fronds):

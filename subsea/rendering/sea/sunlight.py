@@ -86,6 +86,11 @@ class SunShadows(GpuOwner):
             for texture in self._textures
         ]
 
+    @property
+    def maps(self) -> int:
+        """The number of maps that are drawn."""
+        return len(self._textures)
+
     def draw(
         self,
         casts: Iterable[Cast],
@@ -97,7 +102,7 @@ class SunShadows(GpuOwner):
 
         `casts` draw what stands, `fishes` those in sight. Changes the framebuffer in use.
         """
-        if not self._textures:
+        if not self.maps:
             return {}
         if hour != self._hour and self._axes[2] @ sun_at(hour)[0] < np.cos(MOVED_RAD):
             self._turn(hour)

@@ -6,16 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.system import resource_path
-from subsea.rendering.gl.shaders import set_uniforms
-from subsea.rendering.gl.static_batch import (
+from subsea.rendering.gl.item_levels import (
     HYSTERESIS,
     LARGE_PX,
     OUT_OF_SIGHT,
+    levels_in_sight,
+)
+from subsea.rendering.gl.shaders import set_uniforms
+from subsea.rendering.gl.static_batch import (
     LazyMesh,
     StaticBatch,
     StaticMesh,
     bounding_spheres,
-    levels_in_sight,
 )
 from subsea.view.culling import view_arrays
 from subsea.view.display_rigs import views_for
