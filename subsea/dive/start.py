@@ -41,7 +41,7 @@ def ready_world(
 
     `seed` and `fish` (the number of fishes) replace those of the scenario. The motor "playback"
     simulates no fish, "dynamics" every one as soon as its motion allows, None: as the scenario
-    says. `levels` lets far fishes act less often, unless the scenario says no.
+    says. `levels` lets far fishes think less often, unless the scenario says no.
     """
     warm_up(tell)
     live, reach_cm = None, LIVE_REACH_CM

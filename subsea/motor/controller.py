@@ -84,7 +84,7 @@ def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
 
     The rest is tempo, thrust, bend and steering. The horizontal angle to the goal selects a swim or
     a turn, its elevation the pitch, and the goal's speed grade and tempo. Playback changes over at
-    the next row with a gentle glide. `clock.dt` is the time until the next command.
+    the next row with a gentle glide.
     """
     dt = clock.dt
     for i in who:
@@ -105,8 +105,8 @@ def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
         wanted = fishes.wanted_segment[i]
         if not is_cstart(wanted) or fishes.segment[i] == wanted:
             wanted = _swim(fishes, library, i, speed, clock)
-            wanted, speed = _burst_and_coast(fishes, library, i, wanted, speed)
-            wanted = _turn(fishes, library, i, azimuth, wanted)
+            wanted, speed = _burst_and_coast(fishes, library, i, wanted, speed, dt)
+            wanted = _turn(fishes, library, i, azimuth, wanted, dt)
             fishes.wanted_segment[i] = wanted
         _ease_speed(fishes, library, i, speed, dt)
 
@@ -167,7 +167,7 @@ def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) 
         return STOP
     elif not has[COAST] and has[STOP] and fishes.ram[i] == 0.0 and speed < TEMPO[0] * own[SLOW]:
         # The share of the cycle in which it beats sets the speed.
-        cycle = clock.tick * TICK_S * fishes.rate[i] / CYCLE_S + fishes.identity[i]
+        cycle = clock.tick * clock.dt * fishes.rate[i] / CYCLE_S + fishes.identity[i]
         return SLOW if cycle % 1.0 < speed / (TEMPO[0] * own[SLOW]) else STOP
     if now == STOP and has[START] and fishes.thrust[i] < MOVING:
         return START
@@ -183,7 +183,7 @@ def _is_tilted(fishes: Fishes, i: int) -> bool:
 
 @kernel
 def _burst_and_coast(
-    fishes: Fishes, library: Library, i: int, swim: int, speed: float
+    fishes: Fishes, library: Library, i: int, swim: int, speed: float, dt: float
 ) -> tuple[int, float]:
     """The swim or a coast, and the speed to beat for, of fish i that wants a mean speed.
 
@@ -207,7 +207,7 @@ def _burst_and_coast(
         high = max((1.0 + share) * speed, TEMPO[0] * own[SLOW])
         low = max(2.0 * speed - high, (1.0 - 2.0 * most) * speed)
     frames = np.float64(fishes.rate[i]) * fishes.scale[i] * TICK_S
-    if through_water(fishes, i) * TICK_S / frames > (low if BASE[now] == COAST else high):
+    if through_water(fishes, i) * dt / frames > (low if BASE[now] == COAST else high):
         return COAST, speed
     if swim == ROW or high == SLOW_DOWN * speed:
         return swim, speed
@@ -224,7 +224,7 @@ def through_water(fishes: Fishes, i: int) -> float:
 
 
 @kernel
-def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int) -> int:
+def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, dt: float) -> int:
     """The turn toward `azimuth`, rad, or the swim if it leads there; sets `bend`.
 
     Bends of the gradual turn blend with the straight swim; a large angle takes a sharp turn, on
@@ -254,7 +254,7 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int) -
         return gradual if angle > least else swim
     if fishes.goal_speed[i] > HURRIED and angle < (RELEASE_RAD if now == gradual else STRAIGHT_RAD):
         return swim
-    full = abs(library.turn[kind, gradual]) / (library.length[kind, gradual] * TICK_S)
+    full = abs(library.turn[kind, gradual]) / (library.length[kind, gradual] * dt)
     gain = BEND_GAIN if base == MEDIUM else STILL_GAIN
     bend = gain * azimuth / (full * fishes.tempo[i])
     bend = min(max(bend, -TIGHTEST / LEVELS), TIGHTEST / LEVELS)
@@ -315,7 +315,7 @@ def _coast(fishes: Fishes, library: Library, i: int, speed: float, dt: float) ->
     bent = abs(float(fishes.bend[i])) if segment != COAST else 0.0
     own = between(library.speed[kind], segment, bent)
     lost = between(library.slowing[kind], segment, bent) * fishes.rate[i] * fishes.tempo[i]
-    tempo = fishes.tempo[i] / (1.0 + lost * (dt / TICK_S))
+    tempo = fishes.tempo[i] / (1.0 + lost)
     if fishes.tempo[i] * own > BRAKING * speed:
         tempo -= TEMPO_EASE * dt
     fishes.tempo[i] = max(tempo, LEAST_TEMPO)

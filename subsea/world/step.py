@@ -121,7 +121,7 @@ def step(world: World, order: Order) -> None:
     with _stage(world, "habitat"):
         stay_in_free_water(world, turn, swimming)
     with _stage(world, "motor"):
-        move_fishes(world, everyone, turn, clock)
+        move_fishes(world, everyone, clock)
     if isinstance(order, Rail):
         ride(state.submarine, order, TICK_S)
     else:
@@ -170,11 +170,11 @@ def move_water(world: World, who: Ints, clock: Clock) -> None:
 
 
 def take_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Turns:
-    """Choose the fishes that think, and those that act, in this tick.
+    """Choose the fishes that think, and those that feel the water, in this tick.
 
-    Fishes take turns to think: fishes far from the submarine do it less often. All act in every
-    tick, unless the world has levels. Steered fishes that feed think in every tick, or they would
-    miss what is before their mouths.
+    Fishes take turns to think: fishes far from the submarine do it less often. All feel the water
+    in every tick, unless the world has levels. Steered fishes that feed think in every tick, or
+    they would miss what is before their mouths.
     """
     state, visibility = world.state, world.scenario.water.visibility_cm
     fishes, minds, sea = state.fishes, state.minds, state.sea
@@ -255,15 +255,14 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
 def stay_in_free_water(world: World, turn: Turns, swimming: Array) -> None:
     """Keep bodies with the velocities `swimming` (n, 3), cm/s, off solids and within the sea."""
     fishes, sea = world.state.fishes, world.state.sea
-    for lasting, who in turn.acting:
+    for lasting, who in turn.parts:
         share(keep_in_free_water, who, LEAST_PART, fishes, sea, swimming, lasting.dt)
 
 
-def move_fishes(world: World, everyone: Ints, turn: Turns, clock: Clock) -> None:
+def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
     """Move every fish by one recorded frame, or by six steps of simulation."""
     state, fishes = world.state, world.state.fishes
-    for lasting, who in turn.acting:
-        share(command, who, LEAST_PART, fishes, world.library, lasting)
+    share(command, everyone, LEAST_PART, fishes, world.library, clock)
     if len(state.live.fish):
         simulate(world, clock)
     share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)

@@ -17,9 +17,9 @@ from subsea.world.world import TICK_S
 AHEAD = Helm(surge=0.4, yaw=0.1)
 VISIBILITY_CM = 3000.0
 NOBODY_AWAKE = np.zeros(0, np.int64)
-# Distance to the submarine, cm; ticks between two thoughts, and between two acts.
+# Distance to the submarine, cm; ticks between two thoughts, and between two feelings.
 PLACES = (
-    (100.0, 1, 1), (300.0, 2, 1), (500.0, 4, 2), (900.0, 8, 4), (1700.0, 8, 8), (4000.0, 8, 8),
+    (100.0, 1, 1), (300.0, 2, 1), (500.0, 4, 2), (900.0, 8, 4), (1700.0, 16, 8), (4000.0, 16, 8),
 )  # fmt: skip
 
 
@@ -43,39 +43,39 @@ def placed():
 
 
 def turns_of(state, ticks=16, awake=NOBODY_AWAKE):
-    """Who thinks (T, n), and for how many ticks each acts (T, n), in ticks after the first."""
+    """Who thinks (T, n), and for how many ticks each feels the water (T, n), after tick 0."""
     n = len(state.fishes.species)
-    thinks, acts = np.zeros((ticks, n), bool), np.zeros((ticks, n))
+    thinks, feels = np.zeros((ticks, n), bool), np.zeros((ticks, n))
     for t in range(ticks):
         turn = find_turns(state, VISIBILITY_CM, awake, Clock(0, t + 1, TICK_S))
         thinks[t, turn.thinking] = True
-        for clock, who in turn.acting:
-            acts[t, who] = clock.dt / TICK_S
-        np.testing.assert_array_equal(turn.feeling, np.flatnonzero(acts[t]))
-    return thinks, acts
+        for clock, who in turn.parts:
+            feels[t, who] = clock.dt / TICK_S
+        np.testing.assert_array_equal(turn.feeling, np.flatnonzero(feels[t]))
+    return thinks, feels
 
 
 def test_far_fishes_take_turns(placed):
-    thinks, acts = turns_of(placed)
+    thinks, feels = turns_of(placed)
     for i in range(24):
         _, thought, level = PLACES[i % len(PLACES)]
         assert thinks[:, i].sum() == 16 // thought
-        assert set(np.round(acts[:, i])) == ({level} if level == 1 else {0, level})
-        assert acts[:, i].sum() == pytest.approx(16)  # no time is lost
-    assert (acts[thinks] > 0.0).all()  # what a fish decides it does at once
+        assert set(np.round(feels[:, i])) == ({level} if level == 1 else {0, level})
+        assert feels[:, i].sum() == pytest.approx(16)  # no time is lost
+    assert (feels[thinks] > 0.0).all()  # what a fish decides it does at once
 
 
 def test_turns_are_spread_over_ticks(placed):
     placed.fishes.position[:] = placed.sea.submarine[:3]
     placed.fishes.position[:, 0] += 1700.0
-    _, acts = turns_of(placed)
-    assert ((acts > 0.0).sum(axis=1) == 24 // 8).all()
+    _, feels = turns_of(placed)
+    assert ((feels > 0.0).sum(axis=1) == 24 // 8).all()
 
 
 @pytest.mark.parametrize(
     "what", ["flees", "rushes", "is hunted", "is near", "courts", "is steered"]
 )
-def test_a_busy_fish_acts_in_every_tick(placed, what):
+def test_a_busy_fish_feels_the_water_in_every_tick(placed, what):
     i, other, calm, minds = 4, 10, 16, placed.minds  # all at 1700 cm
     awake = NOBODY_AWAKE
     if what == "flees":
@@ -92,16 +92,23 @@ def test_a_busy_fish_acts_in_every_tick(placed, what):
         minds.courtship[i] = CIRCLING
     else:
         awake = np.array([i])
-    _, acts = turns_of(placed, awake=awake)
-    np.testing.assert_allclose(acts[:, i], 1.0)
-    assert (acts[:, calm] != 1.0).all()
+    _, feels = turns_of(placed, awake=awake)
+    np.testing.assert_allclose(feels[:, i], 1.0)
+    assert (feels[:, calm] != 1.0).all()
+
+
+def test_a_fish_that_sees_a_predator_thinks_as_without_levels(placed):
+    placed.minds.menaces[[3, 4, 5]] = 0.2
+    thinks, feels = turns_of(placed)
+    assert thinks[:, 3:6].sum(axis=0).tolist() == [4, 4, 2]
+    assert (feels[thinks] > 0.0).all()
 
 
 def test_the_dead_have_no_turn(placed):
     placed.fishes.alive[4] = False
-    thinks, acts = turns_of(placed)
+    thinks, feels = turns_of(placed)
     assert not thinks[:, 4].any()
-    assert not acts[:, 4].any()
+    assert not feels[:, 4].any()
 
 
 def test_a_world_with_levels_restored_from_a_snapshot_continues_equally():
