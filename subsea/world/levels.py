@@ -15,7 +15,7 @@ from subsea.geometry.vector import dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.perception.senses import FAR_TICKS, NEAR_CM, UNSEEN_TICKS
-from subsea.state import CIRCLING, ESCAPE, RUSHING, Clock, Fishes, Minds, Sea, State
+from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, Clock, Fishes, Minds, Sea, State
 
 # Ticks from one turn to the next, by the least distance, cm. A fish thinks only in ticks in which
 # it feels the water.
@@ -33,10 +33,10 @@ class Turns(NamedTuple):
     parts: tuple[tuple[Clock, Ints], ...]  # of `feeling`, each with the time until their next turn
 
 
-def find_turns(state: State, visibility: float, awake: Ints, clock: Clock) -> Turns:
+def find_turns(state: State, visibility: float, alarmed: float, awake: Ints, clock: Clock) -> Turns:
     """Find the fishes that think and feel in this tick; add a tick to `minds.pause` of all.
 
-    Fishes of `awake` feel the water in every tick.
+    Fishes of `awake` feel the water in every tick. `alarmed` is the fear that alarms a fish.
     """
     fishes, minds = state.fishes, state.minds
     everyone = np.arange(len(fishes.species))
@@ -46,8 +46,9 @@ def find_turns(state: State, visibility: float, awake: Ints, clock: Clock) -> Tu
     busy[prey[(prey >= 0) & (prey < len(busy))]] = True  # not the bait
     busy[awake] = True
     thinks, feels = np.empty(len(everyone), np.bool_), np.empty(len(everyone), np.int64)
-    groups = fishes, minds, state.sea, hunters, busy, visibility, clock
-    share(take_turns, everyone, LEAST_PART, *groups, (thinks, feels))
+    limits = visibility, alarmed
+    groups = fishes, minds, state.sea, hunters, busy, limits, clock, (thinks, feels)
+    share(take_turns, everyone, LEAST_PART, *groups)
     ticks = sorted({1, *(number for _, number in FEELINGS)})
     parts = [(clock._replace(dt=one * clock.dt), np.flatnonzero(feels == one)) for one in ticks]
     those = tuple(part for part in parts if len(part[1]))
@@ -57,16 +58,18 @@ def find_turns(state: State, visibility: float, awake: Ints, clock: Clock) -> Tu
 @kernel
 def take_turns(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, hunters: Ints, busy: Bools,
-    visibility: float, clock: Clock, out: tuple[Bools, Ints],
+    limits: tuple[float, float], clock: Clock, out: tuple[Bools, Ints],
 ) -> None:  # fmt: skip
     """Write whether each of the fishes `who` thinks now, and for how many ticks it feels now.
 
     That number is 0 for a fish that does not feel. Turns are spread evenly over ticks. In the first
     tick all think and feel. Fishes feel in every tick that are simulated, are `busy` (n,), flee,
     hunt in a rush or are near one of the `hunters` that do, and pairs that circle or do what
-    follows. These, and fishes that see a predator, think as often as without levels.
+    follows. These, and fishes that are alarmed, think as often as without levels. `limits` are the
+    visibility, cm, and the fear that alarms.
     """
     thinks, feels = out
+    visibility, alarmed = limits
     there = vector(sea.submarine)
     for i in who:
         minds.pause[i] += np.float32(clock.dt)
@@ -80,7 +83,7 @@ def take_turns(
         thought = _ticks(THOUGHTS, distance)
         if courts:
             thought = 1
-        elif whole or minds.menaces[i] > 0.0:
+        elif whole or minds.mental[i, FEAR] >= alarmed:
             thought = FAR_TICKS if distance >= NEAR_CM else 1
         if distance >= visibility and not courts:
             thought = max(thought, UNSEEN_TICKS)

@@ -181,7 +181,8 @@ def take_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Turn
     steered = order.fish if isinstance(order, TeleopCommands) else everyone[:0]
     if world.levels:
         cues = [world.script.cues[k].who for k in np.flatnonzero(state.directions.running)]
-        turn = find_turns(state, visibility, np.concatenate([steered, *cues]), clock)
+        awake = np.concatenate([steered, *cues])
+        turn = find_turns(state, visibility, world.nature.alarmed, awake, clock)
     else:
         due = fish_due(fishes, minds, sea, visibility, clock)
         turn = Turns(due, everyone, ((clock, everyone),))

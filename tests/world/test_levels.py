@@ -6,7 +6,7 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.dive.start import ready_world
 from subsea.scenario.load import load_scenario
-from subsea.state import CIRCLING, ESCAPE, RUSHING, WANDER, Clock
+from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, WANDER, Clock
 from subsea.submarine.vessel import Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
@@ -15,7 +15,7 @@ from subsea.world.step import step
 from subsea.world.world import TICK_S
 
 AHEAD = Helm(surge=0.4, yaw=0.1)
-VISIBILITY_CM = 3000.0
+VISIBILITY_CM, ALARMED = 3000.0, 0.5
 NOBODY_AWAKE = np.zeros(0, np.int64)
 # Distance to the submarine, cm; ticks between two thoughts, and between two feelings.
 PLACES = (
@@ -38,7 +38,7 @@ def placed():
     state.fishes.position[:] = state.sea.submarine[:3]
     state.fishes.position[:, 0] += distance * np.cos(angle)
     state.fishes.position[:, 1] += distance * np.sin(angle)
-    state.minds.intention[:] = WANDER
+    state.minds.intention[:], state.minds.mental[:, FEAR] = WANDER, 0.0
     return state
 
 
@@ -47,7 +47,7 @@ def turns_of(state, ticks=16, awake=NOBODY_AWAKE):
     n = len(state.fishes.species)
     thinks, feels = np.zeros((ticks, n), bool), np.zeros((ticks, n))
     for t in range(ticks):
-        turn = find_turns(state, VISIBILITY_CM, awake, Clock(0, t + 1, TICK_S))
+        turn = find_turns(state, VISIBILITY_CM, ALARMED, awake, Clock(0, t + 1, TICK_S))
         thinks[t, turn.thinking] = True
         for clock, who in turn.parts:
             feels[t, who] = clock.dt / TICK_S
@@ -97,8 +97,9 @@ def test_a_busy_fish_feels_the_water_in_every_tick(placed, what):
     assert (feels[:, calm] != 1.0).all()
 
 
-def test_a_fish_that_sees_a_predator_thinks_as_without_levels(placed):
-    placed.minds.menaces[[3, 4, 5]] = 0.2
+def test_a_fish_that_is_alarmed_thinks_as_without_levels(placed):
+    placed.minds.mental[:, FEAR] = 0.4
+    placed.minds.mental[[3, 4, 5], FEAR] = 0.6
     thinks, feels = turns_of(placed)
     assert thinks[:, 3:6].sum(axis=0).tolist() == [4, 4, 2]
     assert (feels[thinks] > 0.0).all()
