@@ -103,9 +103,9 @@ def _motion() -> None:
     world = _open_water()
     world.state.minds.kind[0] = PREDATOR  # which looks for prey
     everyone = np.arange(len(world.state.fishes.species))
-    step.take_turns(world, everyone, CLOCK, NEUTRAL)
+    step.choose_turns(world, everyone, CLOCK, NEUTRAL)
     world.levels = True
-    turn = step.take_turns(world, everyone, CLOCK, NEUTRAL)
+    turn = step.choose_turns(world, everyone, CLOCK, NEUTRAL)
     step.perceive(world, everyone, CLOCK)
     step.move_water(world, everyone, CLOCK)
     odour = make_odour(world.state.sea)

@@ -21,6 +21,7 @@ from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, Clock, Fishes, Minds, 
 # it feels the water.
 THOUGHTS = ((1600.0, 16), (800.0, 8), (400.0, 4), (200.0, 2))
 FEELINGS = ((1600.0, 8), (800.0, 4), (400.0, 2))
+STRIDE_CM = 8.0  # farthest way between two: a fish brakes before a barrier, without a jerk
 RUSH_BL = 3.0  # distance from a rushing hunter, over its length, within which all feel the water
 LEAST_PART = 8192  # fishes for which another thread pays
 
@@ -47,7 +48,7 @@ def find_turns(state: State, visibility: float, alarmed: float, awake: Ints, clo
     busy[awake] = True
     thinks, feels = np.empty(len(everyone), np.bool_), np.empty(len(everyone), np.int64)
     limits = visibility, alarmed
-    groups = fishes, minds, state.sea, hunters, busy, limits, clock, (thinks, feels)
+    groups = fishes, minds, state.sea, (hunters, busy), limits, clock, (thinks, feels)
     share(take_turns, everyone, LEAST_PART, *groups)
     ticks = sorted({1, *(number for _, number in FEELINGS)})
     parts = [(clock._replace(dt=one * clock.dt), np.flatnonzero(feels == one)) for one in ticks]
@@ -57,7 +58,7 @@ def find_turns(state: State, visibility: float, alarmed: float, awake: Ints, clo
 
 @kernel
 def take_turns(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, hunters: Ints, busy: Bools,
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, active: tuple[Ints, Bools],
     limits: tuple[float, float], clock: Clock, out: tuple[Bools, Ints],
 ) -> None:  # fmt: skip
     """Write whether each of the fishes `who` thinks now, and for how many ticks it feels now.
@@ -65,11 +66,13 @@ def take_turns(
     That number is 0 for a fish that does not feel. Turns are spread evenly over ticks. In the first
     tick all think and feel. Fishes feel in every tick that are simulated, are `busy` (n,), flee,
     hunt in a rush or are near one of the `hunters` that do, and pairs that circle or do what
-    follows. These, and fishes that are alarmed, think as often as without levels. `limits` are the
-    visibility, cm, and the fear that alarms.
+    follows. These, and fishes that are alarmed, think as often as without levels. Fast fishes feel
+    more often. `active` are these hunters, and whether a fish is busy; `limits` are the visibility,
+    cm, and the fear that alarms.
     """
     thinks, feels = out
     visibility, alarmed = limits
+    hunters, busy = active
     there = vector(sea.submarine)
     for i in who:
         minds.pause[i] += np.float32(clock.dt)
@@ -88,6 +91,9 @@ def take_turns(
         if distance >= visibility and not courts:
             thought = max(thought, UNSEEN_TICKS)
         feeling = 1 if whole else min(_ticks(FEELINGS, distance), thought)
+        stride = norm(vector(fishes.velocity[i])) * clock.dt
+        while feeling > 1 and feeling * stride > STRIDE_CM:
+            feeling //= 2
         turn = clock.tick + i
         thinks[i] = clock.tick == 0 or turn % thought == 0
         if clock.tick == 0:

@@ -101,7 +101,7 @@ def step(world: World, order: Order) -> None:
     swimming = state.fishes.velocity - state.fishes.drift
     with _stage(world, "perception"):
         place_hull(state)
-        turn = take_turns(world, everyone, clock, commands)
+        turn = choose_turns(world, everyone, clock, commands)
     with _stage(world, "habitat"):
         move_water(world, turn.feeling, clock)
     with _stage(world, "perception"):
@@ -169,7 +169,7 @@ def move_water(world: World, who: Ints, clock: Clock) -> None:
         release_bait(state.odour, sea, STEP_TICKS * clock.dt)
 
 
-def take_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Turns:
+def choose_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Turns:
     """Choose the fishes that think, and those that feel the water, in this tick.
 
     Fishes take turns to think: fishes far from the submarine do it less often. All feel the water

@@ -43,7 +43,7 @@ def placed():
 
 
 def turns_of(state, ticks=16, awake=NOBODY_AWAKE):
-    """Who thinks (T, n), and for how many ticks each feels the water (T, n), after tick 0."""
+    """Find the ticks in which fishes think (T, n), and for how many they feel (T, n)."""
     n = len(state.fishes.species)
     thinks, feels = np.zeros((ticks, n), bool), np.zeros((ticks, n))
     for t in range(ticks):
@@ -103,6 +103,12 @@ def test_a_fish_that_is_alarmed_thinks_as_without_levels(placed):
     thinks, feels = turns_of(placed)
     assert thinks[:, 3:6].sum(axis=0).tolist() == [4, 4, 2]
     assert (feels[thinks] > 0.0).all()
+
+
+def test_a_fast_fish_feels_the_water_more_often(placed):
+    placed.fishes.velocity[[4, 10], 1] = 50.0, 300.0  # 1.7 and 10 cm in a tick
+    _, feels = turns_of(placed)
+    assert (feels > 0.0).sum(axis=0)[[4, 10, 16]].tolist() == [4, 16, 2]
 
 
 def test_the_dead_have_no_turn(placed):
