@@ -5,6 +5,7 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.dive.start import ready_world
+from subsea.dive.timeline import Timeline
 from subsea.scenario.load import load_scenario
 from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, WANDER, Clock
 from subsea.submarine.vessel import Helm
@@ -127,6 +128,17 @@ def test_a_world_with_levels_restored_from_a_snapshot_continues_equally():
         step(world, AHEAD)
         step(other, AHEAD)
     assert snapshot.checksum(other) == snapshot.checksum(world)
+
+
+def test_rewinding_a_world_with_levels_restores_it():
+    world = made("open-ocean", 60)
+    time, sums = Timeline(world), []
+    for _ in range(70):
+        time.make(AHEAD)
+        sums.append(snapshot.checksum(world))
+    for tick in (41, 8, 63):
+        time.go(tick)
+        assert snapshot.checksum(world) == sums[tick - 1]
 
 
 def test_only_a_dive_has_levels_unless_its_scenario_says_no():
