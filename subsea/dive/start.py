@@ -35,13 +35,13 @@ def start_world(
 
 def ready_world(
     loaded: LoadedScenario, seed: int | None = None, tell: Say = say, fish: int | None = None,
-    motor: str | None = None,
+    motor: str | None = None, levels: bool = False,
 ) -> World:  # fmt: skip
     """Make the world of a scenario with its first tick and packet, and kernels compiled.
 
     `seed` and `fish` (the number of fishes) replace those of the scenario. The motor "playback"
     simulates no fish, "dynamics" every one as soon as its motion allows, None: as the scenario
-    says.
+    says. `levels` lets far fishes think less often, unless the scenario says no.
     """
     warm_up(tell)
     live, reach_cm = None, LIVE_REACH_CM
@@ -50,6 +50,7 @@ def ready_world(
         live, reach_cm = number if motor == "dynamics" else 0, math.inf
     source = str(loaded.path)
     world = create_world(loaded.scenario, seed, fish, tell, live, reach_cm, source)
+    world.levels = levels and loaded.scenario.levels
     tell(WAKING)
     wake(world)
     return world

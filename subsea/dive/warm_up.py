@@ -111,8 +111,11 @@ def _routines() -> None:
 def _motion() -> None:
     world = _open_water()
     world.state.minds.kind[0] = PREDATOR  # which looks for prey
-    step.perceive(world, CLOCK, NEUTRAL)
     everyone = np.arange(len(world.state.fishes.species))
+    step.choose_turns(world, everyone, CLOCK, NEUTRAL)
+    world.levels = True
+    turn = step.choose_turns(world, everyone, CLOCK, NEUTRAL)
+    step.perceive(world, everyone, CLOCK)
     step.move_water(world, everyone, CLOCK)
     odour = make_odour(world.state.sea)
     release_catches(odour, world.state.fishes.position[:1])
@@ -122,7 +125,7 @@ def _motion() -> None:
     step.steer(world, world.state.submarine, NEUTRAL)
     keep_clear(np.zeros(3), np.zeros(3), world.state.sea)  # as a tour does
     hidden(world, (0.0, 0.0, -50.0), (1.0, 0.0, -50.0), 0.0)
-    step.stay_in_free_water(world, everyone, world.state.fishes.velocity.copy())
+    step.stay_in_free_water(world, turn, world.state.fishes.velocity.copy())
 
 
 def _simulation() -> None:

@@ -118,7 +118,7 @@ def _run(
     """Measure with this number of fishes; the report and the frames."""
     automatic = options.quality == AUTO
     with headless() as context:
-        world = ready_world(loaded, options.seed, fish=fish, motor=options.motor)
+        world = ready_world(loaded, options.seed, fish=fish, motor=options.motor, levels=True)
         gpu, hold_ms = context.info["GL_RENDERER"], None
         machine = benchmark_reports.describe_machine(context.info)
         if automatic:

@@ -463,6 +463,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     physics: PhysicsTable = PhysicsTable()
     # Number of the nearest fishes that are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
+    levels: bool = True  # False: in a dive, far fishes think no less often
 
     def rules_of(self, shoal: Shoal) -> SchoolRules:
         """Merge the rules of a shoal: of all schools, of its species, and its own."""

@@ -251,6 +251,7 @@ class Dive:
         def make(tell: Callable[[str], None]) -> tuple[World, BakedScene]:
             check_placed(scenario, source, seed)
             world = create_world(scenario, seed, source=source)
+            world.levels = scenario.levels
             return world, bake_scene(make_scene(world))
 
         def go_on(line: str | None) -> None:
@@ -444,7 +445,9 @@ class Dive:
         if self._first is None:
             self._first, self._bar = self._place_picture(source, self.window.size), LoadingBar()
             self._opening = self._opening._replace(first=self._first)
-        return run_in_background(lambda tell: ready_world(loaded, seed, tell), self._wait)
+        return run_in_background(
+            lambda tell: ready_world(loaded, seed, tell, levels=True), self._wait
+        )
 
     def _place_picture(self, source: Path, size: tuple[int, int]) -> FirstPicture | None:
         """The picture of a scenario's place for one flat window of that size."""

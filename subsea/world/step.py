@@ -45,8 +45,9 @@ from subsea.perception.senses import fish_due, sense
 from subsea.perception.sites import reefers_of, see_sites
 from subsea.perception.smell import smell
 from subsea.repertoire.library import Library
-from subsea.state import Clock, Fishes, Minds, Sea, Submarine
+from subsea.state import Clock, Fishes, Minds, Sea, State, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
+from subsea.world.levels import Turns, find_turns
 from subsea.world.shell import keep_off_drawn
 from subsea.world.world import TICK_S, World
 
@@ -98,10 +99,14 @@ def step(world: World, order: Order) -> None:
     with _stage(world, "behavior"):
         direct(world.script, state, world.nature, world.current_cm_s, clock)
     swimming = state.fishes.velocity - state.fishes.drift
-    with _stage(world, "habitat"):
-        move_water(world, everyone, clock)
     with _stage(world, "perception"):
-        who = perceive(world, clock, commands)
+        place_hull(state)
+        turn = choose_turns(world, everyone, clock, commands)
+    with _stage(world, "habitat"):
+        move_water(world, turn.feeling, clock)
+    with _stage(world, "perception"):
+        who = turn.thinking
+        perceive(world, who, clock)
     free = who
     if isinstance(commands, TeleopCommands):
         free = np.setdiff1d(who, commands.fish, assume_unique=True)
@@ -114,7 +119,7 @@ def step(world: World, order: Order) -> None:
         act(world, free, everyone, commands, clock)
         state.minds.pause[who] = 0.0
     with _stage(world, "habitat"):
-        stay_in_free_water(world, everyone, swimming)
+        stay_in_free_water(world, turn, swimming)
     with _stage(world, "motor"):
         move_fishes(world, everyone, clock)
     if isinstance(order, Rail):
@@ -133,12 +138,20 @@ def cue_direction(world: World, k: int) -> None:
     cue(DirectingContext(world.script, state, world.nature, world.current_cm_s, clock), k)
 
 
-def move_water(world: World, everyone: Ints, clock: Clock) -> None:
-    """Move the sky, current, plankton, seaweed and hook, and apply the forces on fishes."""
+def place_hull(state: State) -> None:
+    """Let the fishes know where the submarine is."""
+    hull, submarine = state.sea.submarine, state.submarine
+    hull[:3], hull[3:6] = submarine.position, submarine.velocity
+    hull[6:] = hull_axes(*submarine.angles)[0]
+
+
+def move_water(world: World, who: Ints, clock: Clock) -> None:
+    """Move the sky, current, plankton, seaweed and hook, and carry the fishes `who`.
+
+    The others drift on as before.
+    """
     state, sea, fishes = world.state, world.state.sea, world.state.fishes
     flow = world.flow()
-    sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
-    sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
     water, cells = world.scenario.water, world.rock_cells
     move_sky(sea, water.hour, water.day_minutes, clock)
     specks, clusters = np.arange(len(sea.plankton)), np.arange(len(sea.seaweed))
@@ -146,7 +159,7 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     tasks = [
         *cut(plankton.drift, specks, LEAST_SPECKS, sea, cells, flow, clock),
         *cut(step_seaweed, clusters, LEAST_CLUSTERS, *seaweed),
-        *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea, cells, flow),
+        *cut(carry, who, LEAST_PART, fishes, state.minds, sea, cells, flow),
     ]
     run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
     move_hook(sea, clock)
@@ -156,17 +169,33 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
         release_bait(state.odour, sea, STEP_TICKS * clock.dt)
 
 
-def perceive(world: World, clock: Clock, order: Order) -> Ints:
-    """Update the senses of the fishes that think in this tick, and return their indices.
+def choose_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Turns:
+    """Choose the fishes that think, and those that feel the water, in this tick.
 
-    Fishes take turns to think: fishes far from the submarine do it less often. Steered fishes that
-    feed think in every tick, or they would miss what is before their mouths.
+    Fishes take turns to think: fishes far from the submarine do it less often. All feel the water
+    in every tick, unless the world has levels. Steered fishes that feed think in every tick, or
+    they would miss what is before their mouths.
     """
-    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
-    who = fish_due(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
+    state, visibility = world.state, world.scenario.water.visibility_cm
+    fishes, minds, sea = state.fishes, state.minds, state.sea
+    steered = order.fish if isinstance(order, TeleopCommands) else everyone[:0]
+    if world.levels:
+        cues = [world.script.cues[k].who for k in np.flatnonzero(state.directions.running)]
+        awake = np.concatenate([steered, *cues])
+        turn = find_turns(state, visibility, world.nature.alarmed, awake, clock)
+    else:
+        due = fish_due(fishes, minds, sea, visibility, clock)
+        turn = Turns(due, everyone, ((clock, everyone),))
     if isinstance(order, TeleopCommands):
-        feeding = order.fish[order.feeds]
-        who = np.union1d(who, feeding[fishes.alive[feeding]])
+        feeding = steered[order.feeds]
+        feeding = feeding[fishes.alive[feeding]]
+        turn = turn._replace(thinking=np.union1d(turn.thinking, feeding))
+    return turn
+
+
+def perceive(world: World, who: Ints, clock: Clock) -> None:
+    """Update the senses of the fishes `who`."""
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     nature = in_daylight(world.nature, sea.sky[1])
     sense(who, fishes, minds, sea, nature, clock)
     if world.state.odour.total.any() or minds.scent[who].any():
@@ -179,7 +208,6 @@ def perceive(world: World, clock: Clock, order: Order) -> Ints:
         perceive_more(who, fishes, minds, sea, nature, clock)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
-    return who
 
 
 def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
@@ -225,10 +253,11 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, sea, clock)
 
 
-def stay_in_free_water(world: World, everyone: Ints, swimming: Array) -> None:
+def stay_in_free_water(world: World, turn: Turns, swimming: Array) -> None:
     """Keep bodies with the velocities `swimming` (n, 3), cm/s, off solids and within the sea."""
     fishes, sea = world.state.fishes, world.state.sea
-    share(keep_in_free_water, everyone, LEAST_PART, fishes, sea, swimming, TICK_S)
+    for lasting, who in turn.parts:
+        share(keep_in_free_water, who, LEAST_PART, fishes, sea, swimming, lasting.dt)
 
 
 def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:

@@ -13,7 +13,7 @@ from subsea.perception import focusser, senses
 from subsea.perception import senses as scheduling
 from subsea.scenario.load import load_scenario
 from subsea.submarine.vessel import Helm
-from subsea.world import step
+from subsea.world import levels, step
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from tests.support.daily import only
@@ -26,7 +26,7 @@ AHEAD = Helm(surge=0.4)
 @pytest.fixture
 def small_parts(monkeypatch):
     """Cut a hundred fishes into as many parts as a hundred thousand."""
-    for module in (step, senses, focusser, scheduling, table):
+    for module in (step, senses, focusser, scheduling, table, levels):
         monkeypatch.setattr(module, "LEAST_PART", 5)
     for name in ("LEAST_MINDS", "LEAST_SPECKS", "LEAST_CLUSTERS"):
         monkeypatch.setattr(step, name, 5)
@@ -36,12 +36,13 @@ def small_parts(monkeypatch):
     use_threads()
 
 
-def _dive(name, threads, ticks=TICKS, most=MOST_FISHES):
+def _dive(name, threads, ticks=TICKS, most=MOST_FISHES, levels=False):
     """Checksums of a dive, one every 15 ticks."""
     use_threads(threads)
     scenario = load_scenario(name)[0]
     number = sum(shoal.number for shoal in scenario.fish)
     world = create_world(scenario, fish=most if number > most else None)
+    world.levels = levels
     found = []
     for tick in range(ticks):
         step.step(world, AHEAD)
@@ -55,6 +56,14 @@ def test_the_number_of_threads_does_not_matter(small_parts, name):
     alone = _dive(name, 1)
     for threads in (2, 3, 16):
         assert _dive(name, threads) == alone
+
+
+@pytest.mark.parametrize("name", only(("open-ocean",), SCENARIOS))
+def test_the_number_of_threads_does_not_matter_with_levels(small_parts, name):
+    alone = _dive(name, 1, levels=True)
+    assert alone != _dive(name, 1)
+    for threads in (2, 16):
+        assert _dive(name, threads, levels=True) == alone
 
 
 @pytest.mark.parametrize("name", only(("open-ocean",), SCENARIOS))
