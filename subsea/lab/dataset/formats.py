@@ -47,8 +47,12 @@ def _pictures(shards: Iterable[Path]) -> Iterator[Picture]:
 
 
 def annotated(about: Picture) -> list[dict[str, Any]]:
-    """Choose the fishes of a picture that are annotated."""
-    return [fish for fish in about["fishes"] if fish["pixels"] >= LEAST_PX]
+    """Choose the fishes of a picture that are large enough and not lost in the water."""
+    return [
+        fish
+        for fish in about["fishes"]
+        if fish["pixels"] >= LEAST_PX and fish["distance_cm"] <= about["visibility_cm"]
+    ]
 
 
 def write_coco(
