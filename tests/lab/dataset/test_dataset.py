@@ -166,6 +166,14 @@ def test_yolo_has_a_line_for_each_fish_of_coco(made):
             assert all(0.0 <= float(one) <= 2.0 for one in pose.split()[5:])
         assert (made / "pose" / "images" / about["split"] / f"{about['image']:07}.jpg").is_file()
     assert "kpt_shape: [14, 3]" in (made / "pose" / "pose.yaml").read_text()
+    assert (made / "detect.yaml").read_text().startswith("train: images/train\nval: images/val\n")
+
+
+def test_yolo_names_a_part_that_is_there_for_both(tmp_path):
+    make_dataset(replace(PLAN, val=0.0, maps=()), 1, tmp_path, formats=("yolo",), shard=1)
+    for name in ("detect.yaml", "pose/pose.yaml"):
+        text = (tmp_path / name).read_text()
+        assert text.startswith("train: images/train\nval: images/train\nnames:\n")
 
 
 def test_fishes_that_the_water_hides_are_not_annotated():
