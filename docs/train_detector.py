@@ -25,7 +25,7 @@ from torch.nn import functional
 WIDTHS = (16, 32, 64, 96, 128)  # channels at a half to a 32nd of the resolution
 WIDE = 32  # channels of the way back up
 RATE, WARM_UP, DECAY = 2e-3, 0.05, 1e-4  # of AdamW; a share of the training
-POINTS_WEIGHT = 2.0
+POINTS_WEIGHT = 10.0  # lower ones learn poses later
 LEAST_SCORE = 0.02
 
 
