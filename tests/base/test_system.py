@@ -17,11 +17,11 @@ def test_the_libraries_are_those_of_the_setup():
     assert (lists["HEADLESS"], lists["WINDOW"]) == (system.HEADLESS, system.WINDOW)
 
 
-def test_the_workshop_setup_has_every_extra_except_cluster():
+def test_the_workshop_setup_has_every_extra_except_cluster_and_train():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     [line] = re.findall(r'^bench\) groups="(.*?)"', SETUP, re.MULTILINE)
     extras = set(project["project"]["optional-dependencies"])
-    assert set(re.findall(r"--extra (\w+)", line)) == extras - {"cluster"}
+    assert set(re.findall(r"--extra (\w+)", line)) == extras - {"cluster", "train"}
     assert "--no-dev" in line
 
 

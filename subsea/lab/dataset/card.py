@@ -94,8 +94,8 @@ Made by {card["made_by"]} from the scenario `{card["scenario"]}` with the seed {
   A scene is wholly in one of the two parts.
 - Cameras: {", ".join(card["cameras"])}. Quality: {card["quality"]}.
 - Formats: {", ".join(card["formats"])}. Maps: {", ".join(card["maps"]) or "none"}.
-- Fishes with fewer than {LEAST_PX} visible pixels are not annotated.
-  Half of those annotated have at least {card["median_pixels"]} pixels.
+- Fishes with fewer than {LEAST_PX} visible pixels, or beyond the visibility of their water, are not
+  annotated. Half of those annotated have at least {card["median_pixels"]} pixels.
 
 | drawn | values |
 | --- | --- |

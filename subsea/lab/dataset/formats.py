@@ -47,8 +47,12 @@ def _pictures(shards: Iterable[Path]) -> Iterator[Picture]:
 
 
 def annotated(about: Picture) -> list[dict[str, Any]]:
-    """Choose the fishes of a picture that are annotated."""
-    return [fish for fish in about["fishes"] if fish["pixels"] >= LEAST_PX]
+    """Choose the fishes of a picture that are large enough and not lost in the water."""
+    return [
+        fish
+        for fish in about["fishes"]
+        if fish["pixels"] >= LEAST_PX and fish["distance_cm"] <= about["visibility_cm"]
+    ]
 
 
 def write_coco(
@@ -115,7 +119,9 @@ def write_yolo(
     out: Path, plan: DatasetPlan, species: tuple[str, ...], shards: Iterable[Path]
 ) -> None:
     """Write ``labels`` for detection, ``pose/labels`` for keypoints, and a YAML file for each."""
+    splits = set()
     for about in _pictures(shards):
+        splits.add(about["split"])
         wide, high = about["width"], about["height"]
         boxes, poses = [], []
         for fish in annotated(about):
@@ -132,7 +138,9 @@ def write_yolo(
         _write(out / "pose" / "labels" / split / f"{name}.txt", _lines(poses))
         _link(image_path(out, about), out / "pose" / "images" / split / f"{name}.jpg")
     names = "".join(f"  {k}: {json.dumps(name)}\n" for k, name in enumerate(species))
-    common = f"train: images/train\nval: images/val\nnames:\n{names}"
+    # The programs ask for both parts, also of a set that has one.
+    parts = "".join(f"{one}: images/{one if one in splits else min(splits)}\n" for one in SPLITS)
+    common = f"{parts}names:\n{names}"
     _write(out / "detect.yaml", common)
     pose = f"kpt_shape: [{len(NAMES)}, 3]\nflip_idx: {list(FLIPPED)}\n"
     _write(out / "pose" / "pose.yaml", common + pose)

@@ -186,6 +186,7 @@ class _Stage:
             "scene_values": self.values,
             "tick": labels.tick,
             "time_s": round(labels.tick * TICK_S, 6),
+            "visibility_cm": self.world.internal.scenario.water.visibility_cm,
             "settings": settings,
             "camera": {
                 "matrix": labels.matrix.tolist(),

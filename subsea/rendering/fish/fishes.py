@@ -259,6 +259,9 @@ def row_table(points: Array) -> Array:
     return texels.reshape(len(texels), -1, 4)
 
 
+OUTPUTS = {"v_world": 3, "v_normal": 3, "v_skin": 2, "v_tone": 4}  # widths of DrawnVertices
+
+
 class DrawnVertices(NamedTuple):
     """Vertices of T fishes as the vertex shader computes them, float32."""
 
@@ -309,6 +312,9 @@ class FishShape:
             self._part(instances[first : first + AT_ONCE], control_points)
             for first in range(0, len(instances), AT_ONCE)
         ]
+        if not parts:
+            shape = 0, len(self._vertices)
+            return DrawnVertices(*(np.zeros((*shape, width), "f4") for width in OUTPUTS.values()))
         return DrawnVertices(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def _part(self, instances: Array, control_points: Array) -> list[Array]:
@@ -328,8 +334,7 @@ class FishShape:
 
 @cache
 def _shape_shader(kinds: int) -> VertexFeedback:
-    outputs = {"v_world": 3, "v_normal": 3, "v_skin": 2, "v_tone": 4}
-    return VertexFeedback("fishes", outputs, SPECIES=kinds)
+    return VertexFeedback("fishes", OUTPUTS, SPECIES=kinds)
 
 
 def joined(meshes: list[Mesh]) -> tuple[Array, Ints, list[int]]:

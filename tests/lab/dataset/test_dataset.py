@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tarfile
 import time
+from dataclasses import replace
 
 import numpy as np
 import pandas
@@ -23,6 +24,7 @@ from subsea.base.errors import UserError
 from subsea.cli.main import main
 from subsea.jobs.dask_cluster import dask_pool
 from subsea.lab.dataset import shards as module
+from subsea.lab.dataset.formats import annotated
 from subsea.lab.dataset.keypoints import NAMES
 from subsea.lab.dataset.make import make_dataset
 from subsea.lab.dataset.ranges import DrawnRange, drawn, read_ranges
@@ -164,6 +166,30 @@ def test_yolo_has_a_line_for_each_fish_of_coco(made):
             assert all(0.0 <= float(one) <= 2.0 for one in pose.split()[5:])
         assert (made / "pose" / "images" / about["split"] / f"{about['image']:07}.jpg").is_file()
     assert "kpt_shape: [14, 3]" in (made / "pose" / "pose.yaml").read_text()
+    assert (made / "detect.yaml").read_text().startswith("train: images/train\nval: images/val\n")
+
+
+def test_yolo_names_a_part_that_is_there_for_both(tmp_path):
+    make_dataset(replace(PLAN, val=0.0, maps=()), 1, tmp_path, formats=("yolo",), shard=1)
+    for name in ("detect.yaml", "pose/pose.yaml"):
+        text = (tmp_path / name).read_text()
+        assert text.startswith("train: images/train\nval: images/train\nnames:\n")
+
+
+def test_fishes_that_the_water_hides_are_not_annotated():
+    plan = replace(PLAN, ranges=read_ranges(["water.visibility_cm=60,4000"]), maps=(), per_scene=2)
+    seen = {60.0: 0, 4000.0: 0}
+    lost = dict(seen)
+    for shot in shots(plan, plan.scenario, range(12)):
+        visibility = shot.about["visibility_cm"]
+        assert visibility == shot.about["scene_values"]["water.visibility_cm"]
+        large = [fish for fish in shot.about["fishes"] if fish["pixels"] >= 12]
+        kept = annotated(shot.about)
+        assert [one for one in large if one["distance_cm"] <= visibility] == kept
+        seen[visibility] += len(kept)
+        lost[visibility] += len(large) - len(kept)
+    assert lost[60.0] > 3  # in murky water
+    assert seen[4000.0] > 3 and lost[4000.0] == 0
 
 
 def test_deeplabcut_has_visible_keypoints_by_animal(made):
