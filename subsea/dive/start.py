@@ -14,6 +14,7 @@ from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.rig import CameraRig
 from subsea.world.build import LIVE_REACH_CM, create_world
+from subsea.world.levels import pay
 from subsea.world.step import step
 from subsea.world.world import World
 
@@ -41,7 +42,7 @@ def ready_world(
 
     `seed` and `fish` (the number of fishes) replace those of the scenario. The motor "playback"
     simulates no fish, "dynamics" every one as soon as its motion allows, None: as the scenario
-    says. `levels` lets far fishes think less often, unless the scenario says no.
+    says. `levels` lets far fishes of a large sea think less often, unless the scenario says no.
     """
     warm_up(tell)
     live, reach_cm = None, LIVE_REACH_CM
@@ -50,7 +51,7 @@ def ready_world(
         live, reach_cm = number if motor == "dynamics" else 0, math.inf
     source = str(loaded.path)
     world = create_world(loaded.scenario, seed, fish, tell, live, reach_cm, source)
-    world.levels = levels and loaded.scenario.levels
+    world.levels = levels and pay(loaded.scenario, world.state)
     tell(WAKING)
     wake(world)
     return world

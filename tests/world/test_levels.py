@@ -11,7 +11,7 @@ from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, WANDER, Clock
 from subsea.submarine.vessel import Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
-from subsea.world.levels import find_turns
+from subsea.world.levels import MANY, find_turns
 from subsea.world.step import step
 from subsea.world.world import TICK_S
 
@@ -20,7 +20,7 @@ VISIBILITY_CM, ALARMED = 3000.0, 0.5
 NOBODY_AWAKE = np.zeros(0, np.int64)
 # Distance to the submarine, cm; ticks between two thoughts, and between two feelings.
 PLACES = (
-    (100.0, 1, 1), (300.0, 2, 1), (500.0, 4, 2), (900.0, 8, 4), (1700.0, 16, 8), (4000.0, 16, 8),
+    (100.0, 1, 1), (300.0, 1, 1), (500.0, 4, 2), (900.0, 8, 4), (1700.0, 16, 8), (4000.0, 16, 8),
 )  # fmt: skip
 
 
@@ -145,8 +145,9 @@ def test_only_a_dive_has_levels_unless_its_scenario_says_no():
     assert not create_world(load_scenario("schooling")[0], fish=2).levels
     for changes, levels in (([], True), (["levels=false"], False)):
         loaded = load_scenario("schooling", changes)
-        assert not ready_world(loaded, fish=2).levels
-        assert ready_world(loaded, fish=2, levels=True).levels == levels
+        assert not ready_world(loaded, fish=MANY).levels
+        assert ready_world(loaded, fish=MANY, levels=True).levels == levels
+        assert not ready_world(loaded, fish=MANY - 1, levels=True).levels
 
 
 def test_levels_is_true_or_false():
