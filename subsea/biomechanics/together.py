@@ -91,7 +91,7 @@ def _in_lanes(bouts: Sequence[Bout]) -> list[Floats]:
     for lane, bout in zip(muscles, bouts, strict=True):
         steps = len(bout.contraction)
         lane[:steps] = muscle_lengths(bout.body, bout.contraction)
-        lane[steps:] = bout.body.length[:MUSCLES]  # relaxed: nobody reads how it bouts on
+        lane[steps:] = bout.body.length[:MUSCLES]  # relaxed: nobody reads how it goes on
     states = BodyState(
         *(np.stack(parts) for parts in zip(*(bout.state for bout in bouts), strict=True))
     )
