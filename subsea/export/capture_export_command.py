@@ -60,6 +60,11 @@ def add(commands: Any) -> None:
     add_detail(parser, 0)
     add_gltf(parser)
     parser.add_argument(
+        "--levels",
+        action="store_true",
+        help="gltf: also the coarser levels of detail, as SPECIES_LOD1 and so on (MSFT_lod)",
+    )
+    parser.add_argument(
         "--skeleton",
         action="store_true",
         help="usd: a skeleton (UsdSkel) instead of points in each frame",
@@ -74,6 +79,8 @@ def run(options: argparse.Namespace) -> int:
 
     if options.skeleton and options.to != "usd":
         raise UserError(f"--skeleton is for --to usd, not {options.to}")
+    if options.levels and (options.to != "gltf" or options.morph):
+        raise UserError("--levels is for --to gltf, without --morph")
     if options.to == "usd":
         require("usd", "USD")
         from subsea.export.usd import usd_files as files_of
@@ -125,11 +132,22 @@ def _fitted(model: Any, clips: Any) -> tuple[Any, str]:
 
 
 def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
+    from subsea.export.clips import all_points, make_clips
     from subsea.export.glb import packing_of
     from subsea.export.gltf import write_gltf
+    from subsea.export.skinning import refit
+    from subsea.fish.mesh import DETAILS
 
     packing = packing_of(options.compress)
     rig, told = (None, "exact") if options.morph else _fitted(model, clips)
-    path = write_gltf(options.out, model, clips, options.root == "baked", rig, packing)
+    levels = []
+    for detail in range(options.detail + 1, len(DETAILS)):
+        if rig is None or not options.levels:
+            break
+        coarse, moved = make_clips(options.species, detail)
+        bound = refit(coarse, rig, all_points(moved))
+        levels.append((coarse, bound))
+        told += f"; level {len(levels)}: {bound.rms_percent:.2f}%, {bound.most_percent:.2f}%"
+    path = write_gltf(options.out, model, clips, options.root == "baked", rig, packing, levels)
     print_line(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
     return 0

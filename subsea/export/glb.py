@@ -315,10 +315,12 @@ def asset(species: Iterable[str], extras: dict[str, Any]) -> dict[str, Any]:
     return {"version": "2.0", "generator": "subsea", "copyright": notice, "extras": extras}
 
 
-def glb(content: dict[str, Any], buffer: GlbBuffer, needs: Sequence[str] = ()) -> bytes:
+def glb(
+    content: dict[str, Any], buffer: GlbBuffer, needs: Sequence[str] = (), uses: Sequence[str] = ()
+) -> bytes:
     """Return the bytes of a .glb file of JSON content and a buffer.
 
-    `needs` are extensions that a reader of the content needs.
+    `needs` are extensions that a reader of the content needs, `uses` those that it may ignore.
     """
     content = content | {
         "accessors": buffer.accessors,
@@ -326,7 +328,9 @@ def glb(content: dict[str, Any], buffer: GlbBuffer, needs: Sequence[str] = ()) -
         "buffers": buffer.buffers(),
     }
     if extensions := [*buffer.extensions(), *needs]:
-        content |= {"extensionsUsed": extensions, "extensionsRequired": extensions}
+        content |= {"extensionsRequired": extensions}
+    if extensions or uses:
+        content |= {"extensionsUsed": [*extensions, *uses]}
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % WORD)
     data = bytes(buffer.data) + bytes(-len(buffer.data) % WORD)

@@ -30,6 +30,9 @@ Json = dict[str, Any]
 
 WEBP = "EXT_texture_webp"
 INSTANCING = "EXT_mesh_gpu_instancing"
+LEVELS = "MSFT_lod"
+COVERAGE = 0.2, 0.06, 0.02  # shares of a picture's height down to which a level is shown, and ...
+LEAST_COVERAGE = 0.0  # ... the last one
 LINEAR_MIPMAPS = 9987
 STEP = 1e-6  # body lengths: what a joint's place may be off when it is compressed
 SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": glb.CLAMPED, "wrapT": glb.CLAMPED}
@@ -50,6 +53,7 @@ class Parts(NamedTuple):
 
     indices: list[int]  # accessors
     materials: list[Json]  # of the same number
+    names: list[str]  # body, clear or fins
 
 
 class GltfFile:
@@ -65,7 +69,8 @@ class GltfFile:
         self.skins: list[Json] = []
         self.animations: list[Json] = []
         self._images: list[Json] = []
-        self._parts: dict[str, Parts] = {}
+        self._parts: dict[tuple[str, int], Parts] = {}  # by model and number of triangles
+        self._sheets: dict[str, tuple[int, int | None]] = {}  # images: colours, and metal
 
     def node(self, node: Json, root: bool = False) -> int:
         """Add a node; return its number."""
@@ -80,13 +85,12 @@ class GltfFile:
         There are up to three, which share vertices: the body, its transparent triangles such as
         those of the tail, and the fins.
         """
-        if model.name not in self._parts:
+        key = model.name, len(model.triangles)
+        if key not in self._parts:
             fin = np.arange(len(model.triangles)) >= model.body
             clear = transparent_triangles(model) & ~fin
-            parts = Parts([], [])
-            colours = self.image(f"{model.name}_basecolor", model.sheet)
-            shine = metal_image(model)
-            metal = None if shine is None else self.image(f"{model.name}_metal", shine)
+            parts = Parts([], [], [])
+            colours, metal = self.sheet(model)
             for name, chosen, looks in (
                 ("body", ~fin & ~clear, {}),
                 ("clear", clear, {"alphaMode": "BLEND"}),
@@ -100,8 +104,19 @@ class GltfFile:
                         metal if name == "body" else None,
                     )  # fmt: skip
                     parts.materials.append(look)
-            self._parts[model.name] = parts
-        return self._parts[model.name]
+                    parts.names.append(name)
+            self._parts[key] = parts
+        return self._parts[key]
+
+    def sheet(self, model: Model) -> tuple[int, int | None]:
+        """Return the images of a model's colours and, if it is silvery, of its metal."""
+        if model.name not in self._sheets:
+            shine = metal_image(model)
+            self._sheets[model.name] = (
+                self.image(f"{model.name}_basecolor", model.sheet),
+                None if shine is None else self.image(f"{model.name}_metal", shine),
+            )
+        return self._sheets[model.name]
 
     def image(self, name: str, pixels: Bytes) -> int:
         """Add an image (h, w, 3 or 4), bottom row first; return its number."""
@@ -112,13 +127,24 @@ class GltfFile:
         return len(self._images) - 1
 
     def mesh(
-        self, name: str, model: Model, attributes: Json, first: int, targets: Sequence[Json] = ()
-    ) -> int:
-        """Add a mesh of a model; return its number. `first` is the first of its materials."""
+        self, name: str, model: Model, attributes: Json, first: int, targets: Sequence[Json] = (),
+        order: Sequence[str] = (),
+    ) -> int:  # fmt: skip
+        """Add a mesh of a model; return its number. `first` is the first of its materials.
+
+        `order` are the parts that the materials are of; none: those of this model.
+        """
         more = {"targets": list(targets)} if targets else {}
+        parts = self.parts(model)
+        known = list(order or parts.names)
         primitives = [
-            {"attributes": attributes, "indices": indices, "material": first + k} | more
-            for k, indices in enumerate(self.parts(model).indices)
+            {
+                "attributes": attributes,
+                "indices": indices,
+                "material": first + (known.index(part) if part in known else 0),
+            }
+            | more
+            for part, indices in zip(parts.names, parts.indices, strict=True)
         ]
         weights = {"weights": [0.0] * len(targets)} if targets else {}
         self.meshes.append({"name": name, "primitives": primitives} | weights)
@@ -162,7 +188,8 @@ class GltfFile:
             needed += [WEBP] * webp
         if any(INSTANCING in node.get("extensions", {}) for node in self.nodes):
             needed.append(INSTANCING)
-        return glb.glb(content, self.buffer, needed)
+        uses = [LEVELS] if any(LEVELS in node.get("extensions", {}) for node in self.nodes) else []
+        return glb.glb(content, self.buffer, needed, uses)
 
 
 def add_vertices(buffer: glb.GlbBuffer, model: Model, grid: glb.PositionGrid) -> Json:
@@ -279,9 +306,11 @@ def write_gltf(
     baked: bool,
     rig: Skeleton | None,
     packing: glb.Packing = glb.EXACT,
+    levels: Sequence[tuple[Model, Skeleton]] = (),
 ) -> Path:
     """Write NAME.glb into `folder`, with a skinned mesh or, without a rig, with morph targets.
 
+    `levels` are coarser meshes on the same joints, each with its weights.
     The path of the fish is the motion of the node `root`, or `baked` into joints or targets.
     UserError if the file cannot be written.
     """
@@ -295,7 +324,7 @@ def write_gltf(
     if rig is None:
         _add_morphed(file, model, clips, baked)
     else:
-        _add_skinned(file, model, clips, baked, rig)
+        _add_skinned(file, model, clips, baked, rig, levels)
         extras |= {"rmsErrorPercent": rig.rms_percent, "maxErrorPercent": rig.most_percent}
     with replacing(path) as part:
         part.write_bytes(file.contents([model.name], extras, {}))
@@ -303,9 +332,13 @@ def write_gltf(
 
 
 def _add_skinned(
-    file: GltfFile, model: Model, clips: list[Clip], baked: bool, rig: Skeleton
-) -> None:
-    """Add a mesh with a skeleton, and an animation of its joints for each clip."""
+    file: GltfFile, model: Model, clips: list[Clip], baked: bool, rig: Skeleton,
+    levels: Sequence[tuple[Model, Skeleton]] = (),
+) -> None:  # fmt: skip
+    """Add a mesh with a skeleton, and an animation of its joints for each clip.
+
+    Coarser levels are nodes beside the scene, which only readers of MSFT_lod find.
+    """
     grid = file.buffer.packing.grid(to_metres(model.rest, Y_UP))
     attributes = add_vertices(file.buffer, model, grid) | add_weights(file.buffer, rig)
     file.materials += file.parts(model).materials
@@ -313,7 +346,20 @@ def _add_skinned(
     first = file.skeleton(rig.joints, root, add_bind(file.buffer, rig.joints, grid))
     mesh = file.mesh(model.name, model, attributes, 0)
     # A root of the scene: a skinned mesh moves with its joints alone.
-    file.node({"name": model.name, "mesh": mesh, "skin": 0}, root=True)
+    finest: Json = {"name": model.name, "mesh": mesh, "skin": 0}
+    file.node(finest, root=True)
+    coarser = []
+    for number, (level, weights) in enumerate(levels, 1):
+        name = f"{model.name}_LOD{number}"
+        skinned = add_vertices(file.buffer, level, grid) | add_weights(file.buffer, weights)
+        coarse = file.mesh(name, level, skinned, 0, order=file.parts(model).names)
+        coarser.append(file.node({"name": name, "mesh": coarse, "skin": 0}))
+    if coarser:
+        finest |= {
+            "name": f"{model.name}_LOD0",
+            "extensions": {LEVELS: {"ids": coarser}},
+            "extras": {"MSFT_screencoverage": [*COVERAGE[: len(coarser)], LEAST_COVERAGE]},
+        }
     for clip, motion in zip(clips, clip_motions(rig, clips, baked), strict=True):
         times = _times(file.buffer, clip)
         tracks = joint_tracks(file.buffer.packing, rig.joints, motion, first, times)

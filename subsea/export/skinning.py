@@ -123,6 +123,15 @@ def follow(model: Model, rig: Skeleton, goal: Array) -> Array:
     return motion.swapaxes(1, 2)
 
 
+def refit(model: Model, rig: Skeleton, goal: Array) -> Skeleton:
+    """Bind another mesh of the same fish to the joints of `rig`; `goal` (F, n, 3) as there."""
+    near = _distances(model, rig.joints).argsort(axis=1)[:, :NEAR]
+    weights = _fit_weights(_homogeneous(model), goal, rig.motion.swapaxes(1, 2), near)
+    off = off_percent(model, weights, rig.motion, goal)
+    rms, most = float(np.sqrt((off**2).mean())), float(off.max())
+    return rig._replace(weights=weights, rms_percent=rms, most_percent=most)
+
+
 def off_percent(model: Model, weights: Array, motion: Array, goal: Array) -> Array:
     """Measure distances (F, n) of vertices from a goal (F, n, 3), percent of the body length."""
     off = posed(_homogeneous(model), weights, motion) - goal

@@ -13,7 +13,7 @@ from subsea.export.clips import Clip, Model, all_points, make_clips, transform_p
 from subsea.export.conventions import Y_UP, sheet_png, to_metres
 from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
-from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
+from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton, refit
 from tests.support.gltf_reader import Reader
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 2.0  # of the body length: what fitted joints may be off ...
@@ -99,6 +99,39 @@ def test_joints_move_the_mesh_as_playback_does(
     assert ((rig.weights > 0.0).sum(axis=1) <= MAX_INFLUENCES).all()
     np.testing.assert_allclose(np.linalg.det(rig.motion[..., :3]), 1.0)
     assert len(rig.joints) <= 30
+
+
+def test_levels_are_other_meshes_on_the_same_joints(
+    tmp_path: Path, khronos: Callable[[Path], dict[str, Any]]
+) -> None:
+    """Beside the scene: a reader that does not know levels shows the finest one alone."""
+    (fine, clips), (coarse, moved) = (make_clips("fusilier", detail) for detail in (2, 3))
+    clips, moved = ([one for one in many if one.name == "swim_fast"] for many in (clips, moved))
+    rig = fit_skeleton(fine, all_points(clips))
+    bound = refit(coarse, rig, all_points(moved))
+    assert bound.rms_percent < 2.0 * rig.rms_percent
+    path = write_gltf(tmp_path, fine, clips, False, rig, levels=[(coarse, bound)])
+    assert sound(khronos(path))
+    reader = Reader(path)
+    content = reader.content
+    names = [node.get("name") for node in content["nodes"]]
+    first, second = names.index("fusilier_LOD0"), names.index("fusilier_LOD1")
+    assert content["nodes"][first]["extensions"]["MSFT_lod"]["ids"] == [second]
+    coverage = content["nodes"][first]["extras"]["MSFT_screencoverage"]
+    assert len(coverage) == 2 and coverage[0] > coverage[1]
+    assert first in content["scenes"][0]["nodes"] and second not in content["scenes"][0]["nodes"]
+    assert "MSFT_lod" not in content.get("extensionsRequired", [])
+    times = reader.times("swim_fast")
+    moment = reader.worlds("swim_fast", times)
+    found, _ = reader.node_points(second, moment)
+    goal = transform_points(moved[0].points, moved[0].position, moved[0].rotation)
+    off = 1e4 * np.linalg.norm(found - to_metres(goal, Y_UP), axis=2) / coarse.length_cm
+    assert np.sqrt((off**2).mean()) == pytest.approx(bound.rms_percent, rel=0.01)
+    looks = [
+        [part["material"] for part in content["meshes"][content["nodes"][k]["mesh"]]["primitives"]]
+        for k in (first, second)
+    ]
+    assert set(looks[1]) <= set(looks[0]) and len(content["images"]) == 2  # colours and metal
 
 
 def test_morph_targets_are_exact(fitted: Exported, files: tuple[Path, Path]) -> None:
