@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from subsea.base.command_line import add_command, add_force
+from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
 from subsea.base.files import check_folder
@@ -57,6 +57,12 @@ def add(commands: Any) -> None:
         default="apart",
         help="store the path as motion of the root (default) or in the points",
     )
+    parser.add_argument(
+        "--fps",
+        type=number_reader(float, 1.0, 240.0),
+        metavar="F",
+        help="frames per second of all clips (default: those of the species, such as 82.5)",
+    )
     add_detail(parser, 0)
     add_gltf(parser)
     parser.add_argument(
@@ -75,8 +81,6 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
-    from subsea.export.clips import make_clips
-
     if options.skeleton and options.to != "usd":
         raise UserError(f"--skeleton is for --to usd, not {options.to}")
     if options.levels and (options.to != "gltf" or options.morph):
@@ -91,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
 
     check_options(options, options.to)
     check_folder(options.out)
-    model, clips = make_clips(options.species, options.detail)
+    model, clips = _clips(options, options.detail)
     for path in files_of(options.out, options.species):
         check_result(path, KINDS[path.suffix], options.force)
     if options.to == "gltf":
@@ -116,6 +120,14 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _clips(options: argparse.Namespace, detail: int) -> tuple[Any, Any]:
+    """Make the mesh of the species at a level of detail, and its clips at the chosen rate."""
+    from subsea.export.clips import at_rate, make_clips
+
+    model, clips = make_clips(options.species, detail)
+    return model, clips if options.fps is None else [at_rate(clip, options.fps) for clip in clips]
+
+
 def _fitted(model: Any, clips: Any) -> tuple[Any, str]:
     """Fit a skeleton to all clips; return it, and what is to be said of its error."""
     from tqdm import tqdm
@@ -132,7 +144,7 @@ def _fitted(model: Any, clips: Any) -> tuple[Any, str]:
 
 
 def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
-    from subsea.export.clips import all_points, make_clips
+    from subsea.export.clips import all_points
     from subsea.export.glb import packing_of
     from subsea.export.gltf import write_gltf
     from subsea.export.skinning import refit
@@ -144,7 +156,7 @@ def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     for detail in range(options.detail + 1, len(DETAILS)):
         if rig is None or not options.levels:
             break
-        coarse, moved = make_clips(options.species, detail)
+        coarse, moved = _clips(options, detail)
         bound = refit(coarse, rig, all_points(moved))
         levels.append((coarse, bound))
         told += f"; level {len(levels)}: {bound.rms_percent:.2f}%, {bound.most_percent:.2f}%"

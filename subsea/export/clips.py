@@ -238,6 +238,31 @@ def root_motion(segment: Segment, beats: int = 1) -> tuple[Array, Array]:
     return np.array(position), np.array(rotation)
 
 
+def at_rate(clip: Clip, fps: float) -> Clip:
+    """Resample a clip to another number of frames per second.
+
+    It lasts a whole number of frames: it is played faster or slower by half a frame at most, so
+    that a cycle still ends as it begins.
+    """
+    count = max(round((len(clip.points) - 1) * fps / clip.fps), 1)
+    at = np.linspace(0.0, len(clip.points) - 1.0, count + 1)
+    first = np.minimum(at.astype(int), len(clip.points) - 2)
+    share = at - first
+
+    def between(values: Array) -> Array:
+        weight = share.reshape(-1, *[1] * (values.ndim - 1))
+        return np.asarray(values[first] + weight * (values[first + 1] - values[first]))
+
+    normals, rotation = between(clip.normals), between(clip.rotation)
+    return clip._replace(
+        fps=fps,
+        points=between(clip.points),
+        normals=normals / np.linalg.norm(normals, axis=2, keepdims=True),
+        position=between(clip.position),
+        rotation=rotation / np.linalg.norm(rotation, axis=1, keepdims=True),
+    )
+
+
 def all_points(clips: list[Clip]) -> Array:
     """Return the points (F, n, 3) of all clips, which follow each other."""
     return np.concatenate([clip.points for clip in clips])

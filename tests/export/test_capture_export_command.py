@@ -57,6 +57,10 @@ def test_detail_and_root_reach_the_files(tmp_path):
         for folder in "ab"
     ]
     assert '"root"' in info[0] and '"root"' not in info[1]
+    assert main([*small, "--fps", "24", "--out", str(tmp_path / "c")]) == 0
+    whole = json.loads((tmp_path / "c/fusilier_vat/fusilier-remap_info.json").read_text())
+    assert whole["subsea"]["framesPerSecond"] == 24.0
+    assert {track["framerate"] for track in whole["animations"].values()} == {24}
     assert list(json.loads(info[0])["animations"]) == FEW
     glb = tmp_path / "a" / "fusilier_vat" / "fusilier.glb"
     assert main([*small[:-1], "1", "--out", str(tmp_path / "c")]) == 0

@@ -8,7 +8,15 @@ import pytest
 from capture.inspection.simulated import replay
 from subsea.base.errors import UserError
 from subsea.base.system import resource_path
-from subsea.export.clips import Clip, Model, Surface, make_clips, root_motion, transform_points
+from subsea.export.clips import (
+    Clip,
+    Model,
+    Surface,
+    at_rate,
+    make_clips,
+    root_motion,
+    transform_points,
+)
 from subsea.export.fin_motion import FinPlayer
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import load_species
@@ -115,3 +123,24 @@ def test_a_species_that_is_unknown_or_unrecorded_is_one_line(
     monkeypatch.setattr("subsea.export.clips.repertoire_file", lambda name: nowhere)
     with pytest.raises(UserError, match=r"fusilier.h5: no such file; run `subsea-capture rec"):
         make_clips("fusilier")
+
+
+@pytest.mark.parametrize("fps", [24.0, 25.0, 60.0])
+def test_a_clip_at_another_rate_goes_the_same_way(fps: float) -> None:
+    """It begins and ends as before, at most half a frame earlier or later."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 41)
+    circle = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)[:, None]
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (41, 1))
+    clip = Clip(
+        "swim_fast", 27.4, True, circle, circle, 3.0 * turn[:, None] * np.eye(3)[0], still, 1
+    )
+    found = at_rate(clip, fps)
+    frames = len(found.points) - 1
+    assert found.fps == fps and abs(frames / fps - 40 / 27.4) <= 0.5 / fps + 1e-9
+    np.testing.assert_allclose(found.points[[0, -1]], circle[[0, -1]], atol=1e-12)
+    np.testing.assert_allclose(found.position[-1], clip.position[-1])
+    np.testing.assert_allclose(np.diff(found.position[:, 0]), 6.0 * np.pi / frames)
+    np.testing.assert_allclose(np.linalg.norm(found.points, axis=2), 1.0, atol=0.004)  # chords
+    np.testing.assert_allclose(np.linalg.norm(found.normals, axis=2), 1.0)
+    same = at_rate(clip, 27.4)
+    np.testing.assert_allclose(same.points, clip.points, atol=1e-12)
