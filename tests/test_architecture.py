@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.sources import parsed
+from subsea.base.syntax import parse_source
 
 ROOT = Path(__file__).parents[1]
 
@@ -43,7 +43,7 @@ MODULES = [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]
 def definitions(kind):
     """Definitions of a kind of syntax node, with their positions."""
     for path in MODULES:
-        for node in ast.walk(parsed(path)):
+        for node in ast.walk(parse_source(path.read_text("utf-8"))):
             if isinstance(node, kind):
                 yield f"{path.relative_to(ROOT)}:{node.lineno} {node.name}", node
 

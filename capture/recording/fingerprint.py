@@ -15,6 +15,7 @@ import numba
 import numpy as np
 
 from subsea import __version__
+from subsea.base.syntax import parse_source
 from subsea.fish.species import Species
 
 ROOT = "capture.recording.record"
@@ -65,7 +66,7 @@ class _Module:
         source = Path(spec.origin).read_text(encoding="utf-8")
         self.statements: dict[str, list[ast.stmt]] = {}
         self.imports: dict[str, tuple[str, str]] = {}
-        tree, self._lines = ast.parse(source), source.splitlines()
+        tree, self._lines = parse_source(source), source.splitlines()
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and node.module:
                 for alias in node.names:

@@ -52,7 +52,7 @@ def swim_together(courses: Sequence[Course[Found]]) -> list[Found]:
         bouts: dict[int, Bout] = {}
         for k, seen in frames.items():
             try:
-                bouts[k] = courses[k].send(seen)  # type: ignore[arg-type]
+                bouts[k] = next(courses[k]) if seen is None else courses[k].send(seen)
             except StopIteration as end:
                 found[k] = end.value
         frames = dict(zip(bouts, simulate_many(list(bouts.values())), strict=True))

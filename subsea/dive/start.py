@@ -14,7 +14,7 @@ from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.rig import CameraRig
 from subsea.world.build import LIVE_REACH_CM, create_world
-from subsea.world.levels import pay
+from subsea.world.levels import has_levels
 from subsea.world.step import step
 from subsea.world.world import World
 
@@ -51,7 +51,7 @@ def ready_world(
         live, reach_cm = number if motor == "dynamics" else 0, math.inf
     source = str(loaded.path)
     world = create_world(loaded.scenario, seed, fish, tell, live, reach_cm, source)
-    world.levels = levels and pay(loaded.scenario, world.state)
+    world.levels = levels and has_levels(loaded.scenario, world.state)
     tell(WAKING)
     wake(world)
     return world

@@ -21,6 +21,7 @@ KINDS = {
 }
 
 
+COARSEST = 3  # level of detail
 GROUP = "use elsewhere"  # in the help
 
 
@@ -85,6 +86,8 @@ def run(options: argparse.Namespace) -> int:
         raise UserError(f"--skeleton is for --to usd, not {options.to}")
     if options.levels and (options.to != "gltf" or options.morph):
         raise UserError("--levels is for --to gltf, without --morph")
+    if options.levels and options.detail == COARSEST:
+        raise UserError(f"--detail {COARSEST} is the coarsest level: --levels needs a finer one")
     if options.to == "usd":
         require("usd", "USD")
         from subsea.export.usd import usd_files as files_of
@@ -151,11 +154,12 @@ def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     from subsea.fish.mesh import DETAILS
 
     packing = packing_of(options.compress)
-    rig, told = (None, "exact") if options.morph else _fitted(model, clips)
+    rig: Any = None  # with --morph
+    told = "exact"
+    if not options.morph:
+        rig, told = _fitted(model, clips)
     levels = []
-    for detail in range(options.detail + 1, len(DETAILS)):
-        if rig is None or not options.levels:
-            break
+    for detail in range(options.detail + 1, len(DETAILS)) if options.levels else ():
         coarse, moved = _clips(options, detail)
         bound = refit(coarse, rig, all_points(moved))
         levels.append((coarse, bound))

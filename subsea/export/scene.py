@@ -49,7 +49,7 @@ class SceneMesh(NamedTuple):
     """A mesh of n vertices that does not move, once or at k places."""
 
     name: str  # unique in a scene, such as "sand" or "brain_2_0"
-    kind: str  # what it is, such as "stone" or "brain"
+    kind: str  # such as "stone" or "brain"
     group: str  # one of GROUPS
     points: Array  # (n, 3) cm
     normals: Array  # (n, 3)

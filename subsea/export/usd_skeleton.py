@@ -1,6 +1,7 @@
 """The skeleton of a species in USD (UsdSkel): joints that move the mesh, in place of its points.
 
-A twentieth of the bytes of points in every frame, with the errors of the fit (`skinning.py`).
+The file has a fortieth of the bytes of one with points in every frame, and the errors of the fit
+(`skinning.py`).
 """
 
 from typing import Any

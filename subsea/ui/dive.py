@@ -51,7 +51,7 @@ from subsea.ui.text_layer import TextLayer
 from subsea.ui.touch import TouchScreen
 from subsea.view.rig import front
 from subsea.world.build import check_placed, create_world
-from subsea.world.levels import pay
+from subsea.world.levels import has_levels
 from subsea.world.migrate import migrate
 from subsea.world.world import World
 
@@ -252,7 +252,7 @@ class Dive:
         def make(tell: Callable[[str], None]) -> tuple[World, BakedScene]:
             check_placed(scenario, source, seed)
             world = create_world(scenario, seed, source=source)
-            world.levels = pay(scenario, world.state)
+            world.levels = has_levels(scenario, world.state)
             return world, bake_scene(make_scene(world))
 
         def go_on(line: str | None) -> None:

@@ -24,11 +24,11 @@ THOUGHTS = ((1600.0, 16), (800.0, 8), (400.0, 4))
 FEELINGS = ((1600.0, 8), (800.0, 4), (400.0, 2))
 STRIDE_CM = 8.0  # farthest way between two: a fish brakes before a barrier, without a jerk
 RUSH_BL = 3.0  # distance from a rushing hunter, over its length, within which all feel the water
-MANY = 500  # fishes; with fewer, a tick is cheap, and a dive is the world of its film
+MANY = 500  # fishes; with fewer, a tick is cheap, and a dive shows the world of its film
 LEAST_PART = 8192  # fishes for which another thread pays
 
 
-def pay(scenario: Scenario, state: State) -> bool:
+def has_levels(scenario: Scenario, state: State) -> bool:
     """Tell if a dive in a scenario has levels: in seas of many fishes, unless it says no."""
     return scenario.levels and len(state.fishes.species) >= MANY
 

@@ -50,7 +50,7 @@ class World:
     # Functions that perceive more for the fishes that think, after their own senses.
     senses: tuple[Routine, ...] = ()
     order: object = None  # the order of the last tick, as `step` takes it
-    levels: bool = False  # whether far fishes think less often: in a dive
+    levels: bool = False  # true in a dive in which far fishes think less often
     # The rocks, and the cells that list these rocks.
     _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
     # The sites, and these sorted by kind.

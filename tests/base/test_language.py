@@ -23,8 +23,8 @@ from subsea.base.language import (
     set_language,
     translated,
 )
+from subsea.base.syntax import parse_source
 from subsea.base.system import ROOT
-from tests.support.sources import parsed
 from tools import translate
 from tools.translate import po_file
 
@@ -119,7 +119,7 @@ def test_no_word_in_the_code_is_missed():
     """The collector does not see words in the braces of an f-string."""
     known = {one.id for one in collected()}
     for path in sorted((ROOT / "subsea").rglob("*.py")):
-        for node in ast.walk(parsed(path)):
+        for node in ast.walk(parse_source(path.read_text("utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in (
                 "translated",
                 "marked",

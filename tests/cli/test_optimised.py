@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
+from subsea.base.syntax import parse_source
 from subsea.base.system import ROOT
 from subsea.dive.settings import default_text
-from tests.support.sources import parsed
 
 QUESTIONS = {"isinstance", "len", "all", "any"}  # calls that only ask
 CHILD = """
@@ -36,7 +36,7 @@ if not all(command["what"] for command in described()):
 def test_no_assert_works_for_its_effect():
     faults = []
     for path in [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]:
-        for node in ast.walk(parsed(path)):
+        for node in ast.walk(parse_source(path.read_text("utf-8"))):
             if isinstance(node, ast.Assert):
                 faults += [
                     f"{path}:{node.lineno}"

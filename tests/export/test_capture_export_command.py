@@ -80,6 +80,7 @@ def test_wrong_commands_are_errors_of_one_line(capsys):
         (["fusilier", "--to", "usd", "--morph"], "--morph is for --to gltf"),
         (["fusilier", "--to", "gltf", "--skeleton"], "--skeleton is for --to usd, not gltf"),
         (["fusilier", "--to", "usd", "--levels"], "--levels is for --to gltf, without --morph"),
+        (["fusilier", "--to", "gltf", "--levels", "--detail", "3"], "--detail 3 is the coarsest"),
         (["fusilier", "--to", "gltf", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "usd", "--out", "/proc/none"], "/proc/none"),

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import subsea
+from subsea.base.syntax import parse_source
 from subsea.scenario.load import load_scenario
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 from tests.support.scenes import BARE
-from tests.support.sources import parsed
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def test_every_public_name_exists_and_has_a_description():
 
 
 def test_type_checkers_find_every_public_name_where_it_is_loaded_from():
-    stub = parsed(Path(subsea.__file__).with_suffix(".pyi"))
+    stub = parse_source(Path(subsea.__file__).with_suffix(".pyi").read_text("utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     found = {one.asname: node.module for node in imports for one in node.names}
     places = subsea._PLACES.items()  # a module is in its package

@@ -63,7 +63,7 @@ def test_far_fishes_take_turns(placed):
         assert thinks[:, i].sum() == 16 // thought
         assert set(np.round(feels[:, i])) == ({level} if level == 1 else {0, level})
         assert feels[:, i].sum() == pytest.approx(16)  # no time is lost
-    assert (feels[thinks] > 0.0).all()  # what a fish decides it does at once
+    assert (feels[thinks] > 0.0).all()  # a fish acts in the tick in which it decides
 
 
 def test_turns_are_spread_over_ticks(placed):
