@@ -44,8 +44,9 @@ train: .venv/ready-test .venv/train/ready
 	$(BIN)/pytest tests/docs/test_train_detector.py
 
 .venv/train/ready:
-	$(BIN)/uv venv --quiet --clear .venv/train
-	$(BIN)/uv pip install --quiet --python .venv/train --torch-backend cpu torch pycocotools pillow
+	$(BIN)/python -m venv --clear .venv/train
+	.venv/train/bin/pip install --quiet --retries 1 --extra-index-url https://download.pytorch.org/whl/cpu \
+		torch pycocotools pillow
 	@touch $@
 
 format: .venv/ready-test
