@@ -153,12 +153,13 @@ class _Disk:
     """A file that accepts everything that the HDF5 library writes, and stores its first fault.
 
     The library cannot handle a full disk: it retries from destructors and finally crashes the
-    process.
+    process. It also reads again what it wrote, so that parts that the disk refused stay in memory.
     """
 
     def __init__(self, raw: Any) -> None:
         self.fault: OSError | None = None
         self.raw = raw
+        self.refused: list[tuple[int, bytes]] = []  # places in the file, and what belongs there
 
     def check(self) -> None:
         """Raise the first fault."""
@@ -166,14 +167,29 @@ class _Disk:
             raise self.fault
 
     def write(self, data: memoryview) -> int:
-        """Write all data; after a fault, write nothing."""
+        """Write all data; after a fault, keep it in memory."""
         left = memoryview(data).cast("B")
         try:
             while len(left) and not self.fault:
                 left = left[self.raw.write(left) :]
         except OSError as fault:
             self.fault = fault
+        if len(left):
+            self.refused.append((self.raw.tell(), bytes(left)))
         return len(data)
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Read into a buffer as if the disk had accepted all data."""
+        begin = self.raw.tell()
+        size: int = self.raw.readinto(buffer)
+        whole = memoryview(buffer).cast("B")
+        whole[size:] = bytes(len(whole) - size)
+        for place, data in self.refused:
+            low, high = max(place, begin), min(place + len(data), begin + len(whole))
+            if low < high:
+                whole[low - begin : high - begin] = data[low - place : high - place]
+            size = max(size, high - begin)
+        return size
 
     def truncate(self, size: int) -> int:
         """Set the length of the file."""

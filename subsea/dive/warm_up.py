@@ -36,7 +36,7 @@ from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import Sources, hear
 from subsea.sound.space import LAYOUTS, listener_of
 from subsea.state import PREDATOR, Clock, Reef, empty
-from subsea.submarine.vessel import NEUTRAL, keep_clear
+from subsea.submarine.vessel import NEUTRAL, hull_axes, keep_clear
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
 from subsea.world.build import create_world
@@ -124,6 +124,7 @@ def _motion() -> None:
     step.move_fishes(world, everyone, CLOCK)
     step.steer(world, world.state.submarine, NEUTRAL)
     keep_clear(np.zeros(3), np.zeros(3), world.state.sea)  # as a tour does
+    hull_axes(*world.state.submarine.angles)
     hidden(world, (0.0, 0.0, -50.0), (1.0, 0.0, -50.0), 0.0)
     step.stay_in_free_water(world, turn, world.state.fishes.velocity.copy())
 

@@ -470,6 +470,8 @@ def shortened(words):
     if program == "subsea-capture":
         if name == "plot" and len(words) > 2:  # a page of each segment takes a minute
             words = [*words[:2], "few.h5", *words[3:]]
+        if "--gait" in words or "--body" in words:
+            short = ["--budget", "2"]
         if words[1:3] == ["learn", "fusilier"] or ("--out" in words[:-1] and name == "learn"):
             short += ["--out", "learned.toml"]
         if name == "export" and words[2] in shipped_species():

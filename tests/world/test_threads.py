@@ -61,7 +61,8 @@ def test_the_number_of_threads_does_not_matter(small_parts, name):
 @pytest.mark.parametrize("name", only(("open-ocean",), SCENARIOS))
 def test_the_number_of_threads_does_not_matter_with_levels(small_parts, name):
     alone = _dive(name, 1, levels=True)
-    assert alone != _dive(name, 1)
+    if name == "open-ocean":  # small seas may have no fish beyond the nearest level
+        assert alone != _dive(name, 1)
     for threads in (2, 16):
         assert _dive(name, threads, levels=True) == alone
 
