@@ -168,7 +168,7 @@ def _each(data: bytes) -> Iterator[bytes]:
 Write = Callable[[int, Pixels], None]  # of a frame (h, w, 3 or 4) by its number
 WriteAll = Callable[[int, Mapping[str, Pixels]], None]  # of all windows by name
 
-BITS_S = 96_000  # of each channel of sound
+BITS_S, SPHERE_BITS_S = 96_000, 128_000  # of each channel of sound; of a sphere
 TELEVISION = (24, 30, 48, 60, 120)  # nominal rates; broadcasts are 0.1% slower
 KINDS = "FILE.mp4, FILE.mov, FILE.png, FILE.exr or a folder's name without a suffix"
 
@@ -318,6 +318,7 @@ def film_writer(out: Path, size: tuple[int, int], film: FilmFormat) -> Iterator[
                     format=pixels, dst_colorspace=Colorspace.ITU709,
                     src_color_range="JPEG", dst_color_range="MPEG",
                 )  # fmt: skip
+                frame.color_primaries = 1  # ProRes takes it from here
                 container.mux(stream.encode(frame))
                 frames += 1
                 add_sound(float(frames / film.rate))
@@ -353,7 +354,8 @@ def _sound_track(
 
     track: Any = container.add_stream(encoder, rate=RATE, layout=sound.layout.container_name)
     if encoder == "aac":
-        track.bit_rate = BITS_S * sound.layout.channels
+        each = SPHERE_BITS_S if sound.layout.name == AMBISONIC else BITS_S
+        track.bit_rate = each * sound.layout.channels
     read, at = sound.reader(), 0
 
     def add(until: float | None) -> None:

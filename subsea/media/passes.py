@@ -120,15 +120,18 @@ class PassFrames:
 
     def expose(self) -> None:
         """End the exposure: the picture of the renderer is the mean of what was added."""
-        light = self._renderer.light()
-        self._light = _rgb("", light) | {"A": np.ones(light.shape[:2])}
+        # A shader may give less than no light where a triangle is seen edge-on.
+        light = np.maximum(self._renderer.light(), 0.0)
+        channels: dict[str, Array] = {}
         if self._sums:
             parts = LightParts(*(total / self._pictures for total in self._sums))
             share = parts.transmittance.astype(np.float16)
-            subject = parts.subject(share.astype(np.float32))
-            self._light |= _rgb("subject.", subject) | {"subject.A": parts.cover}
-            self._light |= _rgb("transmittance.", share) | _rgb("veil.", parts.veil)
-        self._light = {name: part.astype(np.float16) for name, part in self._light.items()}
+            subject = np.maximum(parts.subject(share.astype(np.float32)), 0.0)
+            light = np.maximum(light, parts.veil)
+            channels = _rgb("subject.", subject) | {"subject.A": parts.cover}
+            channels |= _rgb("transmittance.", share) | _rgb("veil.", parts.veil)
+        channels |= _rgb("", light) | {"A": np.ones(light.shape[:2])}
+        self._light = {name: part.astype(np.float16) for name, part in channels.items()}
         for one in self._mattes:
             self._light |= one.channels(np.array(self._samples))
         self._sums, self._samples, self._pictures = [], [], 0

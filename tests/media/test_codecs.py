@@ -39,7 +39,7 @@ def shown(frame, form="rgb48le"):
 
 @pytest.mark.parametrize(
     ("name", "codec", "known", "pixels", "tag"),
-    [("a.mov", "prores", "prores", "yuv444p10le", "ap4h"),
+    [("a.mov", "prores", "prores", "yuv444p12le", "ap4h"),
      ("a.mp4", "hevc", "hevc", "yuv420p10le", "hvc1")],
 )  # fmt: skip
 def test_a_film_of_ten_bits(name, codec, known, pixels, tag, tmp_path):
@@ -54,7 +54,7 @@ def test_a_film_of_ten_bits(name, codec, known, pixels, tag, tmp_path):
     assert data.index(b"moov") < data.index(b"mdat")
     wrong = np.abs(shown(frame).astype(int) - PICTURE)[8:-8, 8:-8]
     assert wrong.mean() < 250  # a level of 8 bits is 257
-    luma = frame.to_ndarray()[: SIZE[1]] if codec == "hevc" else frame.to_ndarray()[0]
+    luma = np.frombuffer(frame.planes[0], np.uint16).reshape(SIZE[1], -1)[:, : SIZE[0]]
     assert len(np.unique(luma)) > 60  # 8 bits would hold a quarter of them
 
 
@@ -64,7 +64,7 @@ def test_prores_holds_opacity(tmp_path):
     )
     write(tmp_path / "a.mov", np.dstack([PICTURE, opacity]), codec="prores", alpha=True)
     frame, coder = first(tmp_path / "a.mov")
-    assert coder.pix_fmt == "yuva444p12le" or coder.pix_fmt == "yuva444p10le"
+    assert coder.pix_fmt == "yuva444p12le"  # ffmpeg decodes to 12 bits what it coded as 10
     found = shown(frame, "rgba64le")
     assert np.abs(found[..., 3].astype(int) - opacity).max() < 100
     assert np.abs(found[8:-8, 8:-8, :3].astype(int) - PICTURE[8:-8, 8:-8]).mean() < 250
@@ -114,7 +114,9 @@ def test_a_direction_survives_in_a_film(name, codec, way, tmp_path):
     around, left, up, ahead = words.T
     found = np.array([-(around * left).mean(), (around * ahead).mean(), (around * up).mean()])
     found /= (around**2).mean()
-    assert found == pytest.approx(way, abs=0.03)
+    assert np.linalg.norm(found) == pytest.approx(1.0, abs=0.1)  # AAC leaves out faint tones
+    degrees = np.degrees(np.arccos(found @ way / np.linalg.norm(found)))
+    assert degrees < 2.0
 
 
 @pytest.mark.usefixtures("one_context")
