@@ -5,6 +5,9 @@ in vec4 a_lie;    // slopes along x and y, axis
 in vec3 a_size;   // half length and width, cm; share of the light that is missing
 
 out vec3 v_veil;
+#ifdef PASSES
+out vec3 v_clear;
+#endif
 out vec2 v_at;
 out float v_dark;
 
@@ -17,6 +20,9 @@ void main() {
     vec3 ray = place - u_eye;
     float distance = length(ray);
     v_veil = u_unit * open_water(ray / distance) * (1.0 - clearness(distance));
+#ifdef PASSES
+    v_clear = clearness(distance);
+#endif
     v_dark = a_size.z;
     gl_Position = u_view_projection * vec4(place - min(LIFT_CM, 0.3 * distance) * ray / distance, 1.0);
 }

@@ -62,5 +62,5 @@ void main() {
     light = mix(light, 1.2 * water_radiance(ray) + 0.2 * sun, v_small);
     float alpha = mix(mix(0.28, 0.88, whole), 0.6, v_small);
     alpha = max(alpha, min(glint + again * far, 0.8) * (1.0 - v_small));
-    show(vec4(light * v_clear + v_veil, alpha * inside * v_strength));
+    show(light * v_clear, v_veil, v_clear, alpha * inside * v_strength);
 }

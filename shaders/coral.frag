@@ -72,5 +72,5 @@ void main() {
     mirror *= mirror; mirror *= mirror; mirror *= mirror; mirror *= mirror;
     lit += open * (0.05 * mirror * mirror + 0.25 * rim * rim * rim * v_colour.rgb) * sun;
 #endif
-    show(vec4(EXPOSURE * lit * v_clear + v_veil, 1.0));
+    show(EXPOSURE * lit * v_clear, v_veil, v_clear, 1.0);
 }

@@ -14,6 +14,11 @@ flat in vec3 v_sun;
 in vec3 v_around;
 flat in float v_silver;
 in vec3 v_veil;
+#ifdef PASSES
+in vec3 v_clear;
+#else
+const vec3 v_clear = vec3(1.0);  // in the light already
+#endif
 in vec2 v_skin;
 flat in vec4 v_tone;
 flat in float v_fade;
@@ -24,6 +29,6 @@ void main() {
     vec3 colour = toned(skin.rgb, v_tone);
     float silver = v_silver * smoothstep(0.05, 0.5, min(colour.r, min(colour.g, colour.b)));
     vec3 light = (v_sky + v_sun * v_facing) * (1.0 - 0.8 * silver);
-    show(vec4(colour * light + silver * (0.5 + 0.4 * colour) * v_around + v_veil, skin.a));
+    show(colour * light + silver * (0.5 + 0.4 * colour) * v_around, v_veil, v_clear, skin.a);
 }
 #endif

@@ -23,6 +23,9 @@ flat out vec3 v_sun;
 out vec3 v_around;     // what silver mirrors
 flat out float v_silver;
 out vec3 v_veil;
+#ifdef PASSES
+out vec3 v_clear;
+#endif
 out vec2 v_skin;
 flat out vec4 v_tone;
 flat out float v_fade;
@@ -65,6 +68,9 @@ void main() {
     float over = exp(u_down.g * (world.z - u_eye.z));
     v_around = water_radiance(reflect(ray, platelets(normal, v_silver))) * over * through;
     v_veil = water_radiance(ray) * (1.0 - through) + glow(ray, distance);
+#ifdef PASSES
+    v_clear = through;
+#endif
     v_tone = tone(i_pose.w, kind, i_show.z);
     v_skin = own.xy;
     v_fade = i_show.y;

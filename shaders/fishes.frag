@@ -177,5 +177,5 @@ void main() {
     vec3 beam = lamplight_at(v_world);
     colour += EXPOSURE * (0.3 * silver * back + gloss * back * back * back + eye * spark) * beam;
 #endif
-    show(vec4(colour * v_clear + v_veil, skin.a));
+    show(colour * v_clear, v_veil, v_clear, skin.a);
 }

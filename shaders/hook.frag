@@ -25,7 +25,6 @@ void main() {
             + 1.6 * glint * sunlight_at(v_world.z);
     }
     vec3 clear = clearness(distance);
-    colour = EXPOSURE * colour * clear + open_water(look) * (1.0 - clear)
-        + glow(look, distance);
-    show(vec4(colour, v_strength * step(v_world.z, 0.0)));
+    vec3 veil = open_water(look) * (1.0 - clear) + glow(look, distance);
+    show(EXPOSURE * colour * clear, veil, clear, v_strength * step(v_world.z, 0.0));
 }

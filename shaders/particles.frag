@@ -1,11 +1,18 @@
+#ifdef PASSES
+#include "show.glsl"
+
+flat in vec3 v_veil;
+flat in vec3 v_clear;
+#else
+out vec4 f_colour;
+#endif
+
 in vec4 v_colour;
 flat in vec2 v_streak;
 flat in float v_radius;
 #ifdef CLOSE_UP
 flat in vec4 v_form;
 #endif
-
-out vec4 f_colour;
 
 #ifdef CLOSE_UP
 const float FLAKE = 2.5, THREAD = 3.5, COPEPOD = 6.5;  // numbers below which a shape is that
@@ -58,5 +65,9 @@ void main() {
         dense = mix(dense, step(dot(p, p), 1.0) * shape(p, v_form.z), v_form.w);
     }
 #endif
+#ifdef PASSES
+    show(v_colour.rgb, v_veil, v_clear, v_colour.a * dense);
+#else
     f_colour = vec4(v_colour.rgb, v_colour.a * dense);
+#endif
 }

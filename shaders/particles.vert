@@ -13,6 +13,10 @@ uniform vec3 u_passing;  // cm/s, of the eye
 uniform vec3 u_colour;
 
 out vec4 v_colour;
+#ifdef PASSES
+flat out vec3 v_veil;
+flat out vec3 v_clear;
+#endif
 #ifdef CLOSE_UP
 flat out vec4 v_form;  // axis on the sprite; number of its shape, and how plainly that shows
 #endif
@@ -86,8 +90,14 @@ void main() {
     float toward = max(dot(look, SUN), 0.0);
     vec3 light = (BACK + FORWARD * toward * toward) * sunlight_at(world.z) + SKYLIGHT * daylight(world.z)
         + lamplight_at(world);
-    vec3 colour = u_colour * glint * light * clear + water_radiance(look) * (1.0 - clear);
+    vec3 colour = u_colour * glint * light * clear, veil = water_radiance(look) * (1.0 - clear);
     float strength = share * (1.0 - smoothstep(0.6 * u_reach, u_reach, distance))
         * smoothstep(NEAR.x, NEAR.y, distance) * step(world.z, 0.0);
-    v_colour = vec4(u_unit * colour, strength);
+#ifdef PASSES
+    v_colour = vec4(colour, strength);
+    v_veil = veil;
+    v_clear = clear;
+#else
+    v_colour = vec4(u_unit * (colour + veil), strength);
+#endif
 }

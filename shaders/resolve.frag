@@ -8,6 +8,7 @@
 //   GRADED  1: light is developed as the scenario's grade says
 //   BLOOM   1: light spreads around what is very bright
 //   EXACT   1: each pixel of the place is one of the canvas
+//   DEEP    1: the picture becomes a film of 10 bits
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 #include "curve.glsl"
 
@@ -177,6 +178,7 @@ void main() {
             colour = pow(pow(colour, vec3(u_gamma)) + mask.a, vec3(1.0 / u_gamma));
     }
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
+    const float LEVELS = DEEP == 1 ? 1023.0 : 255.0;
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-    f_colour = vec4(colour + (grain - 0.5) / 255.0, 1.0);
+    f_colour = vec4(colour + (grain - 0.5) / LEVELS, 1.0);
 }

@@ -94,5 +94,5 @@ void main() {
 #ifdef LIT
     light += lamplight_on(v_world, normal, 0.1) / daylight(v_world.z);  // as that is in `v_clear`
 #endif
-    show(vec4(sand * light * v_clear + v_veil, 1.0));
+    show(sand * light * v_clear, v_veil, v_clear / (EXPOSURE * daylight(v_world.z)), 1.0);
 }

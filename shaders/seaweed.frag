@@ -61,5 +61,5 @@ void main() {
     mirror *= mirror; mirror *= mirror; mirror *= mirror;
     lit += 0.035 * gloss * mirror * mirror * v_sun;
 #endif
-    show(vec4(EXPOSURE * lit * v_clear + v_veil, 1.0));
+    show(EXPOSURE * lit * v_clear, v_veil, v_clear, 1.0);
 }

@@ -1,5 +1,6 @@
-// Output of a pixel: its light on the canvas, or with OBJECT_IDS the object id of what hides at least half of what lies
-// behind it, the distance along the view, and the slopes of its inverse.
+// Output of a pixel: its light on the canvas. With PASSES the parts of this light, for compositing: see output/passes.py.
+// With OBJECT_IDS the object id of what hides at least half of what lies behind it, the distance along the view, and the
+// slopes of its inverse.
 #ifdef OBJECT_IDS
 #ifdef OWN_IDS
 flat in float v_object_id;  // per vertex
@@ -10,10 +11,28 @@ uniform float u_object_id;
 
 out vec4 f_object_id;  // object id; cm; change of 1 / cm to the right and up
 
-void show(vec4 colour) {
+void show(vec3 light, vec3 veil, vec3 clear, float opacity) {
     vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w));
-    if (colour.a < 0.5) discard;
+    if (opacity < 0.5) discard;
     f_object_id = vec4(v_object_id, 1.0 / gl_FragCoord.w, slope);
+}
+#elif defined(PASSES)
+layout(location = 0) out vec4 f_light;
+layout(location = 1) out vec4 f_veil;
+layout(location = 2) out vec4 f_clear;
+layout(location = 3) out vec4 f_cover;
+
+// Each part is blended by the opacity, as the picture is. `cover` is 1 where the opacity tells how
+// much of a pixel is covered.
+void show_parts(vec3 light, vec3 veil, vec3 clear, float cover, float opacity) {
+    f_light = vec4(light, opacity);
+    f_veil = vec4(veil, opacity);
+    f_clear = vec4(clear, opacity);
+    f_cover = vec4(cover, 0.0, 0.0, opacity);
+}
+
+void show(vec3 light, vec3 veil, vec3 clear, float opacity) {
+    show_parts(light, veil, clear, 1.0, opacity);
 }
 #else
 #ifdef INTEGERS
@@ -24,7 +43,9 @@ const float UNIT = 1.0;
 
 out vec4 f_colour;
 
-void show(vec4 colour) {
-    f_colour = vec4(UNIT * colour.rgb, colour.a);
+// `light` of a thing is what arrives of it; `veil` is the light that the water adds on the way, and
+// `clear` the share of each colour that the water lets through.
+void show(vec3 light, vec3 veil, vec3 clear, float opacity) {
+    f_colour = vec4(UNIT * (light + veil), opacity);
 }
 #endif

@@ -95,5 +95,5 @@ void main() {
 #ifdef LIT
     light += lamplight_on(v_world, normal, 0.1) / daylight(v_world.z);  // as that is in `v_clear`
 #endif
-    show(vec4(stone * light * v_clear + v_veil, 1.0));
+    show(stone * light * v_clear, v_veil, v_clear / (EXPOSURE * daylight(v_world.z)), 1.0);
 }

@@ -67,5 +67,9 @@ void main() {
     colour = mix(colour, FOAM * SKYLIGHT * v_sun, 0.75 * foam);
 #endif
     // What the water before it adds is there already, with its shafts.
-    show(vec4(colour, v_share));
+#ifdef PASSES
+    show_parts(colour, vec3(0.0), vec3(1.0), 1.0 / clearness(distance(v_world, u_eye)).g, v_share);
+#else
+    show(colour, vec3(0.0), vec3(1.0), v_share);
+#endif
 }

@@ -88,6 +88,7 @@ def _is_mesh(path: Path) -> bool:
 FILM = signed("an MP4 film", b"ftyp", at=4)
 SOUND = signed("a WAV file", b"WAVE", 8)
 PICTURE = signed("a PNG picture", b"\x89PNG\r\n\x1a\n")
+LIGHT = signed("an OpenEXR picture", b"\x76\x2f\x31\x01")
 GLTF = signed("a glTF file (.glb)", b"glTF")
 USD = signed("a USD stage (.usdc)", b"PXR-USDC")
 MESH = FileKind("a Wavefront OBJ mesh", _is_mesh)

@@ -23,18 +23,22 @@ def add(commands: Any) -> None:
         commands,
         "film",
         "film a tour without a window",
-        "Writes a film (.mp4), one picture (.png) or a folder of numbered pictures. A folder that\n"
-        "an interruption left is completed. Needs OpenGL but no display.",
+        "Writes a film (.mp4, .mov), one picture (.png, .exr) or a folder of numbered pictures.\n"
+        "A folder that an interruption left is completed. Needs OpenGL but no display.",
         [
             "subsea film dive.mp4",
             "subsea film reef.png --size 1920x1080 --seconds 8",
             "subsea film frames/ --seconds 2 --fps 30",
+            "subsea film grade.mov",
+            "subsea film shot/ --passes all --seconds 2 --fps 24",
             "subsea film theatre.mp4 --theatre three-projectors",
             "subsea film springs.png --show scaffold,school --wireframe",
             "subsea film seen/ --eyes clownfish --size 320x240 --seconds 4",
         ],
     )
-    parser.add_argument("out", metavar="OUT", type=Path, help="FILE.mp4, FILE.png or a folder")
+    parser.add_argument(
+        "out", metavar="OUT", type=Path, help="FILE.mp4, FILE.mov, FILE.png, FILE.exr or a folder"
+    )
     shared.add(parser, *shared.SCENARIO, "display", *shared.STEREO, *shared.SURROUND)
     parser.add_argument(
         "--seconds",
@@ -46,6 +50,17 @@ def add(commands: Any) -> None:
     shared.add(parser, "tour", "start", "fps", "size")
     shared.add_quality(parser, "high", automatic=False)
     shared.add(parser, "fish", "seed", *shared.DRAWING, "follow", "theatre", "shrink")
+    parser.add_argument(
+        "--codec",
+        metavar="CODEC",
+        help="of a film: h264 (default of .mp4), hevc of 10 bits (.mp4, .mov), or prores, which is "
+        "ProRes 4444 (default of .mov)",
+    )
+    parser.add_argument(
+        "--alpha",
+        action="store_true",
+        help="pictures, or ProRes, with opacity: open water is transparent",
+    )
     parser.add_argument("--mute", action="store_true", help="a film without sound")
     parser.add_argument(
         "--score", action="store_true", help="slow tones under the sound, which follow the sea"
@@ -54,7 +69,8 @@ def add(commands: Any) -> None:
         "--sound-layout",
         default="stereo",
         metavar="LAYOUT",
-        help="of the sound: mono, stereo (default), binaural, quad, 5.1 or 7.1",
+        help="of the sound: mono, stereo (default), binaural, quad, 5.1, 7.1, or ambisonic, which "
+        "turns with the picture in players of 360° films",
     )
     parser.add_argument("--audio", type=Path, metavar="FILE", help="write the sound as FILE.wav")
     parser.add_argument(
@@ -64,6 +80,16 @@ def add(commands: Any) -> None:
         help="write sea, fishes, vessel and score as WAV files into DIR, at full volume",
     )
     add_force(parser)
+    light = parser.add_argument_group(
+        "passes for compositing",
+        "OpenEXR files of linear light; docs/how-to/compositing.md explains them",
+    )
+    light.add_argument(
+        "--passes",
+        metavar="LIST",
+        help="write OpenEXR with these passes, separated by commas: beauty, water, depth, normal, "
+        "motion, cryptomatte, or `all` (OUT.exr without it: beauty)",
+    )
     blur = parser.add_argument_group(
         "motion blur and depth of field", "each frame is the mean of several pictures"
     )
@@ -129,6 +155,10 @@ def run(options: Namespace) -> int:
     shared.settle_size(options)
     options.stereo, options.surround = shared.optics(options)
     options.exposure = _exposure(options)
+    options.passes = _passes(options)
+    _check_codec(options)
+    if options.alpha:
+        _check_alpha(options)
     options.loaded = load_scenario(options.scenario, options.changes)
     chosen = TourFilmOptions(**shared.fields_of(TourFilmOptions, options))
     return film(chosen)
@@ -151,13 +181,55 @@ def _exposure(options: Namespace) -> "Exposure":
     return Exposure(**{name: value for name, value in chosen if value is not None})
 
 
+def _passes(options: Namespace) -> tuple[str, ...]:
+    """The passes that the options ask for; () for developed pictures."""
+    from subsea.media.frame_writers import kind_of
+    from subsea.media.passes import read_passes
+
+    light = options.out.suffix.lower() == ".exr"
+    if options.passes is None and not light:
+        return ()
+    if not light and kind_of(options.out) != "folder":
+        raise UserError("--passes needs FILE.exr or a folder", file=options.out)
+    if options.display != "mono":
+        raise UserError(f"film: OpenEXR is not for --display {options.display}")
+    no_light = ("theatre", "show", "wireframe")
+    shared.refuse(options, no_light, "film: OpenEXR holds the light of the sea, not {}")
+    return read_passes(options.passes or "beauty")
+
+
+def _check_codec(options: Namespace) -> None:
+    """Raise a UserError unless the output can have this codec."""
+    from subsea.media.frame_writers import codec_of, kind_of
+
+    if kind_of(options.out) == "film":
+        codec_of(options.out, options.codec)
+    elif options.codec is not None:
+        raise UserError("--codec needs FILE.mp4 or FILE.mov", file=options.out)
+
+
+def _check_alpha(options: Namespace) -> None:
+    """Raise a UserError unless pictures of this kind can have opacity."""
+    from subsea.media.frame_writers import ALPHA_PIXELS, codec_of, kind_of
+
+    if options.passes:
+        raise UserError("film: --alpha is not for OpenEXR; `--passes water` has subject.A")
+    film = kind_of(options.out) == "film"
+    if film and codec_of(options.out, options.codec) not in ALPHA_PIXELS:
+        raise UserError("film: --alpha needs FILE.mov of ProRes, FILE.png or a folder")
+    if options.display != "mono":
+        raise UserError(f"film: --alpha is not for --display {options.display}")
+    shared.refuse(options, ("theatre", "wireframe"), "film: --alpha is not for {}")
+
+
 def _film_eyes(options: Namespace) -> int:
     from subsea.media.eye_frames import film_eyes
     from subsea.media.film import EyeFilmOptions
     from subsea.scenario.load import load_scenario
     from subsea.view.retina import FIELD_DEG, Gaze
 
-    shared.refuse(options, BLUR, "film: {} cannot be combined with --eyes")
+    film_only = (*BLUR, "passes", "codec", "alpha")
+    shared.refuse(options, film_only, "film: {} cannot be combined with --eyes")
     if options.display != "mono":
         raise UserError(
             f"film: --eyes gives a picture for each eye, not --display {options.display}"

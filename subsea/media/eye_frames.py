@@ -42,7 +42,7 @@ from subsea.media.film import (
     reach,
     write_manifest,
 )
-from subsea.media.frame_writers import frame_rate, kind_of, open_writers
+from subsea.media.frame_writers import FilmFormat, frame_rate, kind_of, open_writers
 from subsea.rendering.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
 from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.shoals import find_fish, with_total
@@ -107,7 +107,8 @@ def film_eyes(options: EyeFilmOptions) -> int:
         stack.callback(_report, out, durations)
         about = describe_camera(world, manifest, by, rig, gaze, field_deg)
         stack.callback(_write_camera, out / CAMERA, about | {"frames": frames})
-        write = stack.enter_context(open_writers(out, dict.fromkeys(windows, options.size), rate))
+        sizes = dict.fromkeys(windows, options.size)
+        write = stack.enter_context(open_writers(out, sizes, FilmFormat(rate)))
         say(f"filming what fish {fish} sees, {_species(world, fish)}, to {out}")
         done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
         memory = empty_lod_state(len(world.state.fishes.species))

@@ -8,8 +8,9 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,10 @@ import numpy as np
 
 from subsea import __version__
 from subsea.base import interrupts
-from subsea.base.arrays import Bytes, describe_durations
+from subsea.base.arrays import Array, Bytes, describe_durations
 from subsea.base.errors import UserError
 from subsea.base.files import check_folder, file_hash, read_input, replacing
+from subsea.base.pictures import Pixels
 from subsea.base.progress import count_noun, print_line, progress, say
 from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import (
@@ -33,11 +35,16 @@ from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.dive.tour import Steer
 from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
-from subsea.media.exposure import PINHOLE, Exposure, MeanPictures
+from subsea.media.exposure import PINHOLE, Exposure
+from subsea.media.exr import write_exr
 from subsea.media.film_sound import FilmSound, check_sound_files, write_sound
 from subsea.media.frame_writers import (
+    CODECS,
     NO_METADATA,
+    FilmFormat,
+    WriteAll,
     check_output,
+    codec_of,
     fitted_size,
     frame_file,
     frame_rate,
@@ -47,18 +54,19 @@ from subsea.media.frame_writers import (
     output_names,
     window_path,
 )
+from subsea.media.passes import PassFrames
 from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.load import LoadedScenario
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish, with_total
 from subsea.sound.mixer import SoundLevels
-from subsea.sound.space import layout_of
+from subsea.sound.space import AMBISONIC, at_rest, layout_of
 from subsea.submarine.vessel import course_of
 from subsea.view.display_rigs import chosen_rig, cockpit, theatre_digest
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state
 from subsea.view.retina import AHEAD, FIELD_DEG, Gaze, bodies_at
-from subsea.view.rig import CameraPose, views
+from subsea.view.rig import CameraPose, levelled, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world.step import step
@@ -100,6 +108,9 @@ class TourFilmOptions(FilmOptions):
     audio_stems: Path | None = None  # a folder with the sound of each group
     follow: str | None = None  # a fish to look at from behind, as long as it lives
     exposure: Exposure = PINHOLE  # motion blur and depth of field
+    passes: tuple[str, ...] = ()  # in OpenEXR files, see `media.passes`; (): developed pictures
+    codec: str | None = None  # one of `frame_writers.CODECS`; None: that of the kind of file
+    alpha: bool = False  # open water is transparent
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +191,7 @@ def reach(
 
 
 NAME = "film.json"
-PICTURES = "frame_*.png"
+PICTURES = "frame_*.png", "frame_*.exr"
 
 
 # Options that are not compared as such: sources, and groups whose fields are given one by one.
@@ -203,21 +214,21 @@ def describe_film(options: FilmOptions, **resolved: Any) -> dict[str, Any]:
 
 
 def missing_frames(
-    out: Path, wanted: Mapping[str, Any], windows: Sequence[str], frames: int
+    out: Path, wanted: Mapping[str, Any], windows: Sequence[str], frames: int, suffix: str = ".png"
 ) -> list[int]:
     """Numbers of the frames that the folder `out` lacks in any of its windows.
 
     A UserError if its pictures belong to another film than `wanted`, or to an unknown one.
     """
     check_folder(out)
-    own = any(any(window_path(out, window).glob(PICTURES)) for window in windows)
+    own = any(any(window_path(out, window).glob(kind)) for window in windows for kind in PICTURES)
     # Another film may have other windows, with folders of their own beside the same file.
-    if own or ((out / NAME).exists() and any(out.rglob(PICTURES))):
+    if own or ((out / NAME).exists() and any(any(out.rglob(kind)) for kind in PICTURES)):
         _refuse_another(out, wanted)
     return [
         k
         for k in range(frames)
-        if not all(frame_file(window_path(out, window), k).exists() for window in windows)
+        if not all(frame_file(window_path(out, window), k, suffix).exists() for window in windows)
     ]
 
 
@@ -279,6 +290,7 @@ def film(options: TourFilmOptions) -> int:
     fish = None if options.follow is None else find_fish(options.follow, scenario)
     seconds = film_length_s(options)
     kind = kind_of(out)
+    passes = options.passes or ("beauty",) * (out.suffix.lower() == ".exr")
     size = fitted_size(kind, options.size)
     rig, windows = chosen_rig(
         options.display, size, options.stereo, options.surround, options.theatre, options.shrink
@@ -297,13 +309,20 @@ def film(options: TourFilmOptions) -> int:
             options, seconds=seconds, size=size,
             theatre=theatre_digest(options.theatre), follow=fish,
             **options.stereo._asdict(), **options.surround._asdict(),
-            **options.exposure._asdict(),
+            **options.exposure._asdict(), passes=passes or None, alpha=options.alpha or None,
         )  # fmt: skip
-        missing = missing_frames(out, manifest, windows, len(times))
+        suffix = ".exr" if passes else ".png"
+        missing = missing_frames(out, manifest, windows, len(times), suffix)
         if not missing:
             print_line(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
             return 0
     preset = PRESETS[options.quality]
+    codec = codec_of(out, options.codec) if kind == "film" else "h264"
+    if kind == "film" and CODECS[codec].deep:
+        preset = replace(preset, deep=True)
+    if passes:
+        # REQ require("exr", "an OpenEXR file")
+        preset = replace(preset, floats=True)  # light of any brightness
     durations: list[float] = []
     try:
         with ExitStack() as stack:
@@ -318,9 +337,14 @@ def film(options: TourFilmOptions) -> int:
                 write_manifest(out, manifest)
             # Every channel of a theatre has two eyes, which no player can show.
             metadata = metadata_for(options.display) if options.theatre is None else NO_METADATA
-            write = stack.enter_context(
-                open_writers(out, sizes, rate, metadata, None if options.mute else sound)
-            )
+            write: WriteAll | None = None
+            frames: PassFrames | None = None
+            if passes:
+                frames = PassFrames(world, renderer, passes, rate, partial(_write_passes, out))
+            else:
+                heard = None if options.mute else sound
+                form = FilmFormat(rate, metadata, heard, codec, options.alpha)
+                write = stack.enter_context(open_writers(out, sizes, form))
             say(_intent(names, len(times), missing))
             done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
             memory = empty_lod_state(len(world.state.fishes.species))
@@ -330,28 +354,42 @@ def film(options: TourFilmOptions) -> int:
             exposure = options.exposure
 
             def listen() -> None:
-                if sound is not None:
-                    sound.listen(world, fish)
+                if sound is None:
+                    return
+                # Players turn the sound of a sphere with the picture.
+                turns = sound.layout.name == AMBISONIC and observer is not None
+                level = levelled if rig.level else at_rest
+                sound.listen(world, fish, level(observer) if turns else None)
+
+            def look_out(alpha: float) -> None:
+                """Move the camera: to the pilot's eye, or behind the followed fish."""
+                nonlocal camera, observer
+                if fish is not None and world.state.fishes.alive[fish]:
+                    camera, observer = follow_fish(world, fish, alpha, camera)
+                else:
+                    observer = cockpit(world.state.submarine, alpha)
 
             listen()
             reach(world, times[0], steer, check, after=listen)
             for k, instant in enumerate(times[: missing[-1] + 1]):
                 begun = time.perf_counter()
-                taken = MeanPictures()
+                covers: list[Array] = []
                 open_at = options.exposure.instants(instant, float(1 / rate))
                 for sample, moment in enumerate(open_at):
                     alpha = reach(world, moment, steer, check, after=listen)
-                    before, observer = observer, cockpit(world.state.submarine, alpha)
-                    if is_cut(before, observer, float(1 / rate)):  # no cross-fade over a cut
+                    before = observer
+                    look_out(alpha)
+                    cut = is_cut(before, observer, float(1 / rate))
+                    if cut:  # no cross-fade over a cut
                         if sample:  # the next frame begins with it
                             observer = before
                             break
                         memory = empty_lod_state(len(world.state.fishes.species))
                     if fish is not None and world.state.fishes.alive[fish]:
-                        camera, observer = follow_fish(world, fish, alpha, camera)
                         gap = bodies_at(world, fish, alpha)[0] - observer.eye
                         exposure = options.exposure.focused(float(gap @ observer.forward))
-                    seen = exposure.through_lens(views(rig, observer), sample)
+                    pinhole = views(rig, observer)
+                    seen = exposure.through_lens(pinhole, sample)
                     drawing = diagrams.draw(show, seen, alpha)
                     packet = pack(
                         world, seen, alpha, options=preset.packing,
@@ -359,25 +397,48 @@ def film(options: TourFilmOptions) -> int:
                     )  # fmt: skip
                     if k not in wanted:
                         renderer.choose(packet)
-                        continue
-                    renderer.draw(packet)
-                    taken.add({name: renderer.read_pixels(n) for n, name in enumerate(sizes)})
+                    elif len(open_at) == 1:
+                        renderer.draw(packet)
+                    else:
+                        renderer.expose(packet)
+                    if frames and not sample:
+                        frames.begin(k, replace(packet, views=pinhole), alpha, cut, k in wanted)
+                    if frames and k in wanted:
+                        frames.add(packet, len(open_at))
+                    if options.alpha and k in wanted:
+                        covers.append(renderer.light_parts(packet).cover)
                 if k not in wanted:
                     continue
-                labels = place_labels(rig, seen, drawing.labels)
-                caption = caption_of(world, alpha)
-                pictures = {}
-                for number, (name, picture) in enumerate(taken.mean()):
-                    width, height = sizes[name]
-                    picture = lettered(picture, labels, number)
-                    picture = draw_caption(picture, rig, number, caption)
-                    pictures[name] = picture[:height, :width]
+                if len(open_at) > 1:
+                    renderer.show_exposure()
+                if frames:
+                    frames.expose()
                 drawn = time.perf_counter()
-                write(k, pictures)
+                if write:
+                    labels = place_labels(rig, seen, drawing.labels)
+                    caption = caption_of(world, alpha)
+                    pictures = {}
+                    for number, (name, (width, height)) in enumerate(sizes.items()):
+                        lettering = partial(lettered, labels=labels, output=number)
+                        captioned = partial(draw_caption, rig=rig, output=number, caption=caption)
+                        picture = drawn_over(renderer.read_pixels(number), lettering, captioned)
+                        if covers:
+                            picture = with_opacity(picture, np.mean(covers, axis=0))
+                        pictures[name] = picture[:height, :width]
+                    drawn = time.perf_counter()
+                    write(k, pictures)
                 durations.append(drawn - begun)
                 done()
             if sound is not None:  # it ends with the last frame, not at its beginning
                 reach(world, end, steer, check, after=listen)
+            if frames:  # the motion of the last frame leads to another one
+                instant += float(1 / rate)
+                alpha = reach(world, instant, steer, check)
+                before = observer
+                look_out(alpha)
+                cut = is_cut(before, observer, float(1 / rate))
+                packet = pack(world, views(rig, observer), alpha, options=preset.packing)
+                frames.begin(k + 1, packet, alpha, cut, wanted=False)
         if sound is not None:
             write_sound(sound, seconds, options.audio, options.audio_stems)
     except KeyboardInterrupt:
@@ -385,6 +446,14 @@ def film(options: TourFilmOptions) -> int:
         raise
     _report(names, kind, durations)
     return 0
+
+
+def _write_passes(
+    out: Path, number: int, channels: Mapping[str, Array], header: Mapping[str, Any]
+) -> None:
+    """Write a frame as an OpenEXR file."""
+    path = out if kind_of(out) == "picture" else frame_file(out, number, ".exr")
+    write_exr(path, channels, header)
 
 
 def _sound_of(options: TourFilmOptions, kind: str) -> FilmSound | None:
@@ -414,6 +483,26 @@ def lettered(picture: Bytes, labels: Sequence[PlacedLabel], output: int) -> Byte
                 stroke_width=max(round(0.1 * tall), 1), stroke_fill=(0, 25, 40),
             )  # fmt: skip
     return np.asarray(image)
+
+
+def drawn_over(picture: Pixels, *draw: Callable[[Bytes], Bytes]) -> Pixels:
+    """Let functions draw on a picture (h, w, 3) of 8 bits, or over one of 16 bits."""
+    if picture.dtype == np.uint8:
+        plain: Any = picture
+        for one in draw:
+            plain = one(plain)
+        return np.asarray(plain)
+    low = (picture >> 8).astype(np.uint8)
+    over = drawn_over(low, *draw)
+    changed = (over != low).any(axis=2, keepdims=True)
+    return np.where(changed, over.astype(np.uint16) * 257, picture)
+
+
+def with_opacity(picture: Pixels, opacity: Array) -> Pixels:
+    """Append opacity (h, w), 0 to 1, to a picture (h, w, 3). Colours stay as they are."""
+    most = np.iinfo(picture.dtype).max
+    values = np.rint(most * np.clip(opacity, 0.0, 1.0)).astype(picture.dtype)
+    return np.concatenate([picture, values[..., None]], axis=2)
 
 
 def _intent(names: str, frames: int, missing: list[int]) -> str:

@@ -11,7 +11,8 @@ from subsea.base.file_kinds import SOUND, check_result
 from subsea.base.files import check_folder, replacing
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import GROUPS, SCORE, Sources, hear, sources_of
-from subsea.sound.space import BLOCK, RATE, Layout, listener_of
+from subsea.sound.space import BLOCK, RATE, Layout, listener_at, listener_of
+from subsea.view.rig import CameraPose
 from subsea.world.world import World
 
 Reader = Callable[[float], Array]
@@ -36,10 +37,18 @@ class FilmSound:
         self._whole: list[Array] = []
         self._stems: list[Array] = []
 
-    def listen(self, world: World, fish: int | None = None) -> None:
-        """Add the tick that the world has just made, heard from the submarine, or from a fish."""
+    def listen(
+        self, world: World, fish: int | None = None, camera: CameraPose | None = None
+    ) -> None:
+        """Add the tick that the world has just made, heard from the submarine, or from a fish.
+
+        Left is that of the `camera`, if it is given.
+        """
         self._sources = self._sources or sources_of(world)
-        moment = hear(world, listener_of(world, fish), self._sources)
+        listener = listener_of(world, fish)
+        if camera is not None:
+            listener = listener._replace(axes=listener_at(camera, listener.velocity, True).axes)
+        moment = hear(world, listener, self._sources)
         stems = self._mixer.stems(moment, scored=self._levels.score > 0.0)
         block = self._mixer.blend(stems, self._levels)
         first = max(-self._skipped, 0)

@@ -17,19 +17,61 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from subsea import __version__
-from subsea.base.errors import UserError
-from subsea.base.file_kinds import FILM, PICTURE, check_results
+from subsea.base.errors import UserError, unknown
+from subsea.base.file_kinds import FILM, LIGHT, PICTURE, check_results
 from subsea.base.files import check_folder, create_part, is_folder, replacing
 from subsea.base.pictures import Pixels, write_png
 from subsea.media.film_sound import FilmSound
-from subsea.sound.space import RATE
+from subsea.sound.space import AMBISONIC, RATE
 
 
 class VideoMetadata(NamedTuple):
     """Frame packing and boxes of a film."""
 
     packing: int | None = None  # of Annex D of H.264; None: every frame is one picture
-    boxes: bytes = b""  # for the sample description of the track
+    boxes: bytes = b""  # for the sample description of the pictures
+
+
+class FilmCodec(NamedTuple):
+    """The coding of the pictures of a film, and of its sound."""
+
+    encoder: str
+    pixels: str  # format of the coded pictures
+    options: dict[str, str]
+    containers: tuple[str, ...]  # suffixes of files
+    tag: str = ""  # of the pictures in the file, if players want another than ffmpeg's
+    sound: str = "aac"
+    deep: bool = True  # takes pictures of 16 bits
+
+
+# x264's macroblock tree reads uninitialised memory: films of the same pictures would differ.
+# Without it they are 3% larger. The conversion centres chroma in 2 by 2 pixels.
+X264 = {"crf": "19", "preset": "veryfast", "x264-params": "mbtree=0:chromaloc=1"}
+X265 = {"crf": "18", "preset": "fast", "x265-params": "log-level=none:chromaloc=1"}
+CODECS = {
+    "h264": FilmCodec("libx264", "yuv420p", X264, (".mp4",), deep=False),
+    "hevc": FilmCodec("libx265", "yuv420p10le", X265, (".mp4", ".mov"), "hvc1"),
+    "prores": FilmCodec(
+        "prores_ks", "yuv444p10le", {"profile": "4444", "vendor": "apl0"}, (".mov",), "ap4h",
+        "pcm_s16le",
+    ),
+}  # fmt: skip
+"""Constant rate factors are near-transparent: small enough to mail (H.264), or to grade (HEVC)."""
+ALPHA_PIXELS = {"prores": "yuva444p10le"}  # of the codecs that hold opacity
+
+
+def codec_of(out: Path, name: str | None = None) -> str:
+    """The name of the codec of a film: the given one, or that of the kind of file; a UserError."""
+    suffix = out.suffix.lower()
+    fitting = [one for one, codec in CODECS.items() if suffix in codec.containers]
+    if name is None:
+        return "prores" if suffix == ".mov" else "h264"
+    if name not in CODECS:
+        raise unknown("codec", name, list(CODECS))
+    if name not in fitting:
+        wanted = " or ".join(f"FILE{one}" for one in CODECS[name].containers)
+        raise UserError(f"cannot hold {name}, expected {wanted}", file=out)
+    return name
 
 
 def box(kind: bytes, content: bytes) -> bytes:
@@ -63,18 +105,29 @@ def metadata_for(display: str) -> VideoMetadata:
     return known.get(display, NO_METADATA)
 
 
+def sa3d() -> bytes:
+    """Mark four channels as a sphere of sound of first order ("spatial audio" by Google)."""
+    about = struct.pack(">BBIBBI4I", 0, 0, 1, 0, 0, 4, 0, 1, 2, 3)  # ACN, SN3D, in this order
+    return box(b"SA3D", about)
+
+
+# Entries of the sample description, by what they describe.
+PICTURES_IN = b"avc1", b"hvc1", b"ap4h"
+SOUND_IN = b"mp4a", b"sowt"
 # Offset of the boxes inside a box.
 CHILDREN_AT = {b"moov": 8, b"trak": 8, b"mdia": 8, b"minf": 8, b"stbl": 8, b"stsd": 16}
 
 
-def insert_boxes(path: Path, boxes: bytes) -> None:
-    """Append boxes to the sample description of the pictures in an MP4 file, index first."""
+def insert_boxes(path: Path, boxes: Mapping[bytes, bytes]) -> None:
+    """Append boxes to entries of the sample description of an MP4 file, index first."""
     new = path.with_name(f"{path.name}.tagged")
     try:
         create_part(new)
         with path.open("rb") as source, new.open("wb") as target:
             target.write(_read(source))  # ftyp
-            target.write(_grown(_read(source), boxes, len(boxes)))  # moov
+            index = _read(source)  # moov
+            longer = len(_grown(index, boxes, 0)) - len(index)
+            target.write(_grown(index, boxes, longer))
             shutil.copyfileobj(source, target, 1 << 20)
         new.replace(path)
     finally:
@@ -87,11 +140,11 @@ def _read(source: IO[bytes]) -> bytes:
     return head + source.read(struct.unpack(">I", head[:4])[0] - 8)
 
 
-def _grown(whole: bytes, boxes: bytes, shift: int) -> bytes:
-    """A copy of a box with `boxes` in its sample description and file offsets moved by `shift`."""
+def _grown(whole: bytes, boxes: Mapping[bytes, bytes], shift: int) -> bytes:
+    """A copy of a box with `boxes` in entries, and file offsets moved by `shift`."""
     kind = whole[4:8]
-    if kind == b"avc1":
-        return box(kind, whole[8:] + boxes)
+    if kind in boxes:
+        return box(kind, whole[8:] + boxes[kind])
     if kind in (b"stco", b"co64"):
         number = ">u4" if kind == b"stco" else ">u8"
         offsets = np.frombuffer(whole[16:], number).astype(np.uint64) + np.uint64(shift)
@@ -112,18 +165,17 @@ def _each(data: bytes) -> Iterator[bytes]:
         data = data[length:]
 
 
-Write = Callable[[int, Pixels], None]  # of a frame (h, w, 3) by its number
+Write = Callable[[int, Pixels], None]  # of a frame (h, w, 3 or 4) by its number
 WriteAll = Callable[[int, Mapping[str, Pixels]], None]  # of all windows by name
 
-QUALITY = "19"  # x264's constant rate factor: near-transparent, small enough to mail
-BITS_S = 96_000  # of each channel of sound
+BITS_S, SPHERE_BITS_S = 96_000, 128_000  # of each channel of sound; of a sphere
 TELEVISION = (24, 30, 48, 60, 120)  # nominal rates; broadcasts are 0.1% slower
-KINDS = "FILE.mp4, FILE.png or a folder's name without a suffix"
+KINDS = "FILE.mp4, FILE.mov, FILE.png, FILE.exr or a folder's name without a suffix"
 
 
 def kind_of(out: Path) -> str:
     """The kind of output by its name: "film", "picture" or "folder", else a UserError."""
-    kinds = {".mp4": "film", ".png": "picture", "": "folder"}
+    kinds = {".mp4": "film", ".mov": "film", ".png": "picture", ".exr": "picture", "": "folder"}
     kind = "folder" if is_folder(out) else kinds.get(out.suffix.lower())
     if kind is None:
         raise UserError(f"cannot write {out.suffix!r}, expected {KINDS}", file=out)
@@ -140,7 +192,8 @@ def check_output(out: Path, windows: Iterable[str] = ("",), force: bool = False)
         check_folder(out)
     else:
         files = [window_path(out, window) for window in windows]
-        check_results(files, FILM if kind == "film" else PICTURE, force)
+        light = LIGHT if out.suffix.lower() == ".exr" else PICTURE
+        check_results(files, FILM if kind == "film" else light, force)
 
 
 def frame_rate(fps: float) -> Fraction:
@@ -171,28 +224,29 @@ def output_names(out: Path, windows: Iterable[str]) -> str:
     return ", ".join(str(window_path(out, window)) for window in windows)
 
 
-def frame_file(folder: Path, number: int) -> Path:
+def frame_file(folder: Path, number: int, suffix: str = ".png") -> Path:
     """Path of a frame in a folder of numbered pictures."""
-    return folder / f"frame_{number:05d}.png"
+    return folder / f"frame_{number:05d}{suffix}"
+
+
+class FilmFormat(NamedTuple):
+    """All that a film needs beside its pictures."""
+
+    rate: Fraction
+    metadata: VideoMetadata = NO_METADATA
+    sound: FilmSound | None = None
+    codec: str = "h264"  # one of CODECS
+    alpha: bool = False  # pictures have opacity
 
 
 @contextmanager
 def open_writers(
-    out: Path,
-    sizes: Mapping[str, tuple[int, int]],
-    rate: Fraction,
-    metadata: VideoMetadata = NO_METADATA,
-    sound: FilmSound | None = None,
+    out: Path, sizes: Mapping[str, tuple[int, int]], film: FilmFormat
 ) -> Iterator[WriteAll]:
-    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`.
-
-    Films have `sound`.
-    """
+    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`."""
     with ExitStack() as stack:
         writers = {
-            name: stack.enter_context(
-                _open_writer(window_path(out, name), size, rate, metadata, sound)
-            )
+            name: stack.enter_context(_open_writer(window_path(out, name), size, film))
             for name, size in sizes.items()
         }
 
@@ -204,27 +258,30 @@ def open_writers(
 
 
 def _open_writer(
-    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata,
-    sound: FilmSound | None,
-) -> AbstractContextManager[Write]:  # fmt: skip
+    out: Path, size: tuple[int, int], film: FilmFormat
+) -> AbstractContextManager[Write]:
     kind = kind_of(out)
     if kind == "film":
-        return film_writer(out, size, rate, metadata, sound)
+        return film_writer(out, size, film)
     if kind == "picture":
         return nullcontext(lambda number, picture: write_png(out, picture))
     return nullcontext(lambda number, picture: write_png(frame_file(out, number), picture))
 
 
+# Formats of pictures in memory, by their type and number of components.
+IN_MEMORY = {
+    (np.dtype(np.uint8), 3): "rgb24",
+    (np.dtype(np.uint16), 3): "rgb48le",
+    (np.dtype(np.uint8), 4): "rgba",
+    (np.dtype(np.uint16), 4): "rgba64le",
+}
+
+
 @contextmanager
-def film_writer(
-    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata = NO_METADATA,
-    sound: FilmSound | None = None,
-) -> Iterator[Write]:  # fmt: skip
-    """Write an H.264 film that plays everywhere: yuv420p, index first. The size must be even.
+def film_writer(out: Path, size: tuple[int, int], film: FilmFormat) -> Iterator[Write]:
+    """Write a film, index first. Where colours are halved (yuv420p) the size must be even.
 
     Colours are converted to BT.709, which players of HD assume, and marked as such.
-
-    With `sound` it has a track of AAC.
 
     An interruption closes the film after the pictures so far; an error leaves no file.
     """
@@ -232,37 +289,39 @@ def film_writer(
     from av.video.reformatter import Colorspace, VideoReformatter
 
     interrupted: KeyboardInterrupt | None = None
-    # x264's macroblock tree reads uninitialised memory: films of the same pictures would differ.
-    # Without it they are 3% larger.
-    encoding = {"mbtree": 0, "chromaloc": 1}  # the conversion centres chroma in 2 by 2 pixels
-    if metadata.packing is not None:
-        encoding["frame-packing"] = metadata.packing
-    parameters = ":".join(f"{name}={value}" for name, value in encoding.items())
-    options = {"crf": QUALITY, "preset": "veryfast", "x264-params": parameters}
+    codec, sound = CODECS[film.codec], film.sound
+    pixels = ALPHA_PIXELS[film.codec] if film.alpha else codec.pixels
+    options = dict(codec.options)
+    if film.metadata.packing is not None:
+        options["x264-params"] += f":frame-packing={film.metadata.packing}"
     frames = 0
     with replacing(out) as temporary:
         with av.open(
-            str(temporary), "w", format="mp4", options={"movflags": "+faststart"}
+            str(temporary), "w", format=out.suffix[1:].lower(), options={"movflags": "+faststart"}
         ) as container:
-            stream: Any = container.add_stream("libx264", rate=rate, options=options)
+            stream: Any = container.add_stream(codec.encoder, rate=film.rate, options=options)
             stream.width, stream.height = size
-            stream.pix_fmt = "yuv420p"
+            stream.pix_fmt = pixels
             coder, convert = stream.codec_context, VideoReformatter().reformat
+            if codec.tag:
+                coder.codec_tag = codec.tag
             # Numbers of ITU-T H.273: matrix and primaries of BT.709, the curve of sRGB.
             coder.colorspace, coder.color_primaries, coder.color_trc = 1, 1, 13
             coder.color_range = 1  # limited
-            add_sound = _sound_track(container, sound)
+            add_sound = _sound_track(container, sound, codec.sound)
 
             def write(number: int, picture: Pixels) -> None:
                 nonlocal frames
+                form = IN_MEMORY[picture.dtype, picture.shape[2]]
                 frame = convert(
-                    av.VideoFrame.from_ndarray(picture, format="rgb24"),
-                    format="yuv420p", dst_colorspace=Colorspace.ITU709,
+                    av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format=form),
+                    format=pixels, dst_colorspace=Colorspace.ITU709,
                     src_color_range="JPEG", dst_color_range="MPEG",
                 )  # fmt: skip
+                frame.color_primaries = 1  # ProRes takes it from here
                 container.mux(stream.encode(frame))
                 frames += 1
-                add_sound(float(frames / rate))
+                add_sound(float(frames / film.rate))
 
             try:
                 yield write
@@ -271,22 +330,32 @@ def film_writer(
                     raise
                 interrupted = interrupt
             container.mux(stream.encode(None))
-            add_sound(float(frames / rate))
+            add_sound(float(frames / film.rate))
             add_sound(None)
-        if metadata.boxes:
-            insert_boxes(temporary, metadata.boxes)
+        boxes = dict.fromkeys(PICTURES_IN, film.metadata.boxes) if film.metadata.boxes else {}
+        if sound is not None and sound.layout.name == AMBISONIC:
+            boxes |= dict.fromkeys(SOUND_IN, sa3d())
+        if boxes:
+            insert_boxes(temporary, boxes)
     if interrupted:
         raise interrupted
 
 
-def _sound_track(container: Any, sound: FilmSound | None) -> Callable[[float | None], None]:
-    """Add a track of AAC; returns a function that fills it up to a time, s, and ends it at None."""
+def _sound_track(
+    container: Any, sound: FilmSound | None, encoder: str
+) -> Callable[[float | None], None]:
+    """Add a track of sound; returns a function that fills it up to a time, s, and ends it at None.
+
+    AAC, or samples of 16 bits as they are.
+    """
     if sound is None:
         return lambda until: None
     import av
 
-    track: Any = container.add_stream("aac", rate=RATE, layout=sound.layout.container_name)
-    track.bit_rate = BITS_S * sound.layout.channels
+    track: Any = container.add_stream(encoder, rate=RATE, layout=sound.layout.container_name)
+    if encoder == "aac":
+        each = SPHERE_BITS_S if sound.layout.name == AMBISONIC else BITS_S
+        track.bit_rate = each * sound.layout.channels
     read, at = sound.reader(), 0
 
     def add(until: float | None) -> None:

@@ -12,7 +12,7 @@ from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError
 from subsea.base.files import check_file
 from subsea.base.pictures import write_png
-from subsea.media.frame_writers import Write, film_writer, fitted_size
+from subsea.media.frame_writers import FilmFormat, Write, film_writer, fitted_size
 
 Pixels = Bytes  # (height, width, 3), top row first
 
@@ -73,7 +73,7 @@ class ScreenCapture:
             if min(self._size) < 2:
                 raise UserError("the window is too small for a film")
             check_file(self._path)
-            reel = film_writer(self._path, self._size, Fraction(FPS))
+            reel = film_writer(self._path, self._size, FilmFormat(Fraction(FPS)))
             self._write = stack.enter_context(reel)
         except UserError as fault:
             self._tell(str(fault))

@@ -22,6 +22,8 @@ from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.gl.static_batch import LazyMesh, StaticMesh, box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
+from subsea.rendering.output.exposure import ExposureSum
+from subsea.rendering.output.passes import LightParts, PartsTarget
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of, water_of
@@ -39,7 +41,7 @@ from subsea.rendering.sea.water import WaterRenderer
 from subsea.scenario.schema import Grade
 from subsea.view.camera import View, middle_eye
 from subsea.view.culling import IN_SIGHT
-from subsea.view.rig import CameraRig, DisplayPatch, Rect
+from subsea.view.rig import CameraRig, DisplayPatch, Projection, Rect
 
 
 class BakedScene(NamedTuple):
@@ -151,6 +153,9 @@ class Renderer(GpuOwner):
         self._sized = self.own(GpuOwner())  # released when the size changes
         # Made when first needed.
         self._ids: IdBuffer | None = None
+        self._parts: PartsTarget | None = None
+        self._exposure: ExposureSum | None = None
+        self._shaded: dict[str, Any] = {}  # uniforms of the shadows of the last picture
         self._overlay: ResolvePass | None = None
         self._second: ResolvePass | None = None
         self._make_target(rig, quality)
@@ -159,6 +164,10 @@ class Renderer(GpuOwner):
     def give_fishes(self) -> FishRenderer:
         """Give up the fishes' part, for the next renderer; this one can only be released then."""
         return self.disown(self._fishes)
+
+    def resume(self) -> None:
+        """Make the context current again, after this thread has used another one."""
+        self._context.__enter__()
 
     @property
     def size(self) -> tuple[int, int]:
@@ -236,12 +245,36 @@ class Renderer(GpuOwner):
         start = time.perf_counter()
         self.gpu_s = self.timer.wait()
         self.waited_s = time.perf_counter() - start
+        calls, seconds = self._context.extra.calls, self._context.extra.seconds
         with self.timer.picture():
-            self._draw(packet, into)
+            self._fill(packet)
+            self._show_canvas(self._target.resolved(), into)
+        self.draw_calls = self._context.extra.calls - calls
+        self.draw_s = self._context.extra.seconds - seconds
 
-    def _draw(self, packet: Packet, into: Into) -> None:
-        context = self._context
-        calls, seconds = context.extra.calls, context.extra.seconds
+    def expose(self, packet: Packet) -> None:
+        """Draw every view of a packet, and add its light to that of the next `show_exposure`."""
+        with self.timer.picture():
+            self._fill(packet)
+        if self._exposure is None or self._exposure.size != self._target.size:
+            if self._exposure:
+                self._exposure.release()
+            self._exposure = self.own(ExposureSum(self._context, self._target.size))
+        self._exposure.add(self._target.resolved())
+
+    def show_exposure(self, into: Into = OWN) -> None:
+        """Resolve the mean light of the packets exposed since the last call to the outputs."""
+        if self._exposure is None or not self._exposure.pictures:
+            raise ValueError("nothing has been exposed")
+        self._exposure.take(self._target.flat)
+        self._show_canvas(self._target.canvas, into)
+
+    def _show_canvas(self, canvas: Any, into: Into) -> None:
+        with self.timer.stage("output"):
+            self._show(canvas, into, self._scale(self.rig, self.quality), self._target.unit)
+
+    def _fill(self, packet: Packet) -> None:
+        """Draw every view of a packet into the canvas."""
         self._target.framebuffer.use()
         self._target.framebuffer.clear()
         start = time.perf_counter()
@@ -253,66 +286,74 @@ class Renderer(GpuOwner):
         if self.quality.shadows:
             self._shadows.upload(packet, not self.quality.fish_map)
         self.upload_s = time.perf_counter() - start
+        self.triangles = self._draw_views(packet, self._target.framebuffer, self._target.unit)
+
+    def _draw_views(
+        self, packet: Packet, framebuffer: Any, unit: float, passes: bool = False
+    ) -> int:
+        """Draw all views of a packet whose content is uploaded; returns the number of triangles.
+
+        With `passes` the parts of their light: `framebuffer` has an attachment for each.
+        """
+        context, triangles = self._context, 0
         self._caustics.use(TEXTURE_UNITS["u_caustics"])
         self._noise.use(TEXTURE_UNITS["u_noise"])
-        self.triangles = 0
         context.enable(context.PROGRAM_POINT_SIZE)
         context.depth_func = "<="  # water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
-        eye, stage, unit = None, self.timer.stage, self._target.unit
-        with stage("shadows"):
-            shaded = self._cast(packet)
+        eye, stage = None, self.timer.stage
+        if not passes:
+            with stage("shadows"):
+                self._shaded = self._cast(packet)
+        wanted = self._shaded | ({"u_passes": True} if passes else {})
         for number, view in enumerate(map(self._on_canvas, packet.views)):
-            uniforms = uniforms_of(packet, view, self._scene.water, unit) | shaded
+            uniforms = uniforms_of(packet, view, self._scene.water, unit) | wanted
             if uniforms["u_eye"] != eye:  # views through one eye share their shafts
                 with stage("shafts"):
                     self._shafts.draw(uniforms)
             eye = uniforms["u_eye"]
-            self._target.framebuffer.use()
+            framebuffer.use()
             context.viewport = context.scissor = view.viewport  # points must not cross the edge
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             context.wireframe = self.wireframe
             context.enable(context.CULL_FACE)
             with stage("stone"):
-                self.triangles += self._rocks.draw(number, uniforms)
+                triangles += self._rocks.draw(number, uniforms)
             with stage("corals"):
-                self.triangles += self._coral.draw(number, uniforms)
+                triangles += self._coral.draw(number, uniforms)
             context.disable(context.CULL_FACE)
             with stage("seaweed"):
-                self.triangles += self._seaweed.draw(packet, number, uniforms)
+                triangles += self._seaweed.draw(packet, number, uniforms)
             with stage("sand"):
-                self.triangles += self._seabed.draw(number, uniforms)
+                triangles += self._seabed.draw(number, uniforms)
             if self.quality.shadows and self.bodies and not self.wireframe:
                 context.enable(context.BLEND)
-                self._target.framebuffer.depth_mask = False  # shadows may overlap
+                framebuffer.depth_mask = False  # shadows may overlap
                 with stage("shadows"):
-                    self.triangles += self._shadows.draw(uniforms)
-                self._target.framebuffer.depth_mask = True
+                    triangles += self._shadows.draw(uniforms)
+                framebuffer.depth_mask = True
                 context.disable(context.BLEND)
             context.wireframe = False
             with stage("water"):
-                self.triangles += self._water.draw(view, uniforms)
+                triangles += self._water.draw(view, uniforms)
             context.enable(context.BLEND)
             context.wireframe = self.wireframe
             with stage("fishes"):
                 if self.bodies:
-                    self.triangles += self._fishes.draw(packet, number, uniforms)
-                self.triangles += self._hook.draw(packet, number, uniforms)
+                    triangles += self._fishes.draw(packet, number, uniforms)
+                triangles += self._hook.draw(packet, number, uniforms)
             context.wireframe = False
-            self._target.framebuffer.depth_mask = False
+            framebuffer.depth_mask = False
             with stage("particles"):
-                self.triangles += self._bubbles.draw(packet, number, uniforms)
-                self.triangles += self._particles.draw(packet, number, uniforms)
-                self.triangles += self._lines.draw(packet, number, view, uniforms)
-            self.vessel.draw(self.rig, number, np.array(self._scene.water.far), unit)
-            self._target.framebuffer.depth_mask = True
+                triangles += self._bubbles.draw(packet, number, uniforms)
+                triangles += self._particles.draw(packet, number, uniforms)
+                triangles += self._lines.draw(packet, number, view, uniforms)
+            if not passes:
+                self.vessel.draw(self.rig, number, np.array(self._scene.water.far), unit)
+            framebuffer.depth_mask = True
         context.scissor = None
-        with stage("output"):
-            scale = self._scale(self.rig, self.quality)
-            self._show(self._target.resolved(), into, scale, unit)
-        self.draw_calls = context.extra.calls - calls
-        self.draw_s = context.extra.seconds - seconds
+        return triangles
 
     def _cast(self, packet: Packet) -> dict[str, Any]:
         """Draw the maps of shadows; returns their uniforms, and those that select programs."""
@@ -373,6 +414,34 @@ class Renderer(GpuOwner):
         scale = self._scale(self.rig, self.quality)
         return self._ids.read(None if part is None else scaled(part, scale))
 
+    def light(self, output: int = 0) -> Array:
+        """The light (h, w, 3) of the last picture, float32, top row first, before it is developed.
+
+        Only of an output that shows a part of the canvas pixel by pixel.
+        """
+        return self._target.light(self._shown_by(output))
+
+    def light_parts(self, packet: Packet, output: int = 0) -> LightParts:
+        """Draw the parts of the light of the packet that was drawn last."""
+        size, samples = self._target.size, self._target.samples
+        if self._parts is None or (self._parts.size, self._parts.samples) != (size, samples):
+            if self._parts:
+                self._parts.release()
+            self._parts = self.own(PartsTarget(self._context, size, samples))
+        self._parts.framebuffer.use()
+        self._parts.framebuffer.clear()
+        self._draw_views(packet, self._parts.framebuffer, 1.0, passes=True)
+        return self._parts.read(self._shown_by(output))
+
+    def _shown_by(self, output: int) -> Rect:
+        """The part of the canvas that an output shows pixel by pixel."""
+        scale = self._scale(self.rig, self.quality)
+        (patch,) = (one for one in self.rig.patches if one.output == output)
+        part = scaled(patch.left, scale)
+        if patch.shape != Projection.FLAT or part[2:] != self.rig.outputs[output]:
+            raise ValueError("this output does not show its canvas pixel by pixel")
+        return part
+
     def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Into = OWN) -> None:
         """Draw a picture (h, w, 3), top row first, over the outputs without tone mapping.
 
@@ -396,10 +465,11 @@ class Renderer(GpuOwner):
         return upload(self._context, picture[::-1])
 
     def read_pixels(self, output: int = 0, page: int = 0) -> Bytes:
-        """The last of the renderer's own `pictures`: (h, w, 3), top row first."""
-        width, height = self.rig.outputs[output]
-        data = self._target.framebuffers[output, page].read(components=3, alignment=1)
-        return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
+        """The last of the renderer's own `pictures`: (h, w, 3), top row first.
+
+        They have 16 bits if the quality is `deep`, else 8.
+        """
+        return self._target.picture(output, page)
 
     def _show(self, canvas: Any, into: Into, scale: float, unit: float | None = None) -> None:
         """Draw every patch of the rig from the canvas to its output.
@@ -438,9 +508,7 @@ class Renderer(GpuOwner):
             )
         try:
             samples = min(quality.samples, self._context.max_samples)
-            target = RenderTarget(
-                self._context, canvas, samples, rig.outputs, rig.pages, quality.integers
-            )
+            target = RenderTarget(self._context, canvas, samples, rig.outputs, rig.pages, quality)
         except moderngl.Error as fault:
             raise UserError(
                 f"pictures of {what} are more than this GPU can hold; take a smaller --size"

@@ -20,7 +20,8 @@ class Reverberation:
     """Adds the echo of a place to groups of sounds."""
 
     def __init__(self, directions: Array) -> None:
-        self._heard = np.array(directions.any(axis=1))  # not by the low-frequency channel
+        # Not by the low-frequency channel, nor by those that hold a direction.
+        self._heard = np.array(directions.any(axis=1))
         self._lines = np.zeros((ECHOING, len(LINES), int(LINES.max())))
         self._states = np.zeros((ECHOING, len(LINES)))  # low-pass of each line
         self._at = 0  # samples so far
@@ -55,7 +56,8 @@ def _echo(
         for k in range(number):
             enter = 0.0
             for c in range(channels):
-                enter += groups[g, k, c]
+                if heard[c]:
+                    enter += groups[g, k, c]
             now = before + (k + 1.0) / number * (room - before)
             enter *= now / channels
             total = 0.0

@@ -28,6 +28,7 @@ OPEN_HZ, SHADOWED_HZ = 20_000.0, 3500.0  # low-pass of the head: at the near ear
 STEREO_WIDTH, STEREO_S = 0.8, 0.2 / 1500.0
 BINAURAL_WIDTH, BINAURAL_S = 0.6, 0.2 / 343.0
 FOCUS = 5.0  # how narrow a source is among several loudspeakers
+SPHERE = -1.0  # in place of a width: the channels are those of a sphere (`AMBISONIC`)
 
 
 class Listener(NamedTuple):
@@ -50,13 +51,13 @@ class Layout(NamedTuple):
 
     name: str
     directions: Array  # (c, 3) unit, right, ahead, up; zero for the low-frequency channel
-    width: float = 0.0  # of two ears; 0 for loudspeakers around
+    width: float = 0.0  # of two ears; 0 for loudspeakers around, SPHERE for none
     delay_s: float = 0.0  # the longest between two ears
 
     @property
     def container_name(self) -> str:
         """Its name in films."""
-        return {"binaural": "stereo"}.get(self.name, self.name)
+        return {"binaural": "stereo", AMBISONIC: "4.0"}.get(self.name, self.name)
 
     @property
     def channels(self) -> int:
@@ -76,6 +77,7 @@ def _around(*azimuths_deg: float | None) -> Array:
     )
 
 
+AMBISONIC = "ambisonic"
 LAYOUTS = {
     layout.name: layout
     for layout in (
@@ -85,6 +87,8 @@ LAYOUTS = {
         Layout("quad", _around(-45.0, 45.0, -135.0, 135.0)),
         Layout("5.1", _around(-30.0, 30.0, 0.0, None, -110.0, 110.0)),
         Layout("7.1", _around(-30.0, 30.0, 0.0, None, -150.0, 150.0, -90.0, 90.0)),
+        # First order, in the order of ACN: all round, left, up, ahead. The echo has no direction.
+        Layout(AMBISONIC, _around(0.0, None, None, None), SPHERE),
     )
 }
 
@@ -144,8 +148,14 @@ def doppler(way: Vector, velocity: Vector, own: Vector) -> float:
 
 @kernel
 def pan(directions: Array, width: float, way: Vector, gains: Array) -> None:
-    """Write the gains (c,) of a source in direction `way`, of power 1; zero is all round."""
+    """Write the gains (c,) of a source in direction `way`, of power 1; zero is all round.
+
+    For the channels of a sphere they are its harmonics, normalised as SN3D.
+    """
     number = len(gains)
+    if width < 0.0:
+        gains[0], gains[1], gains[2], gains[3] = 1.0, -way[0], way[2], way[1]
+        return
     if width > 0.0:
         side = (1.0 + width * way[0]) * 0.25 * math.pi
         gains[0], gains[1] = math.cos(side), math.sin(side)

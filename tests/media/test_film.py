@@ -190,7 +190,7 @@ def test_an_interrupted_film_reports_its_frames(tmp_path, capsys, monkeypatch):
 
 
 def open_one(out):
-    return frame_writers.open_writers(out, {"": (64, 48)}, Fraction(20))
+    return frame_writers.open_writers(out, {"": (64, 48)}, frame_writers.FilmFormat(Fraction(20)))
 
 
 def grey(level):
@@ -220,7 +220,9 @@ def test_the_same_pictures_make_the_same_film(tmp_path):
     films = set()
     for k in range(4):
         out = tmp_path / f"{k}.mp4"
-        with frame_writers.open_writers(out, {"": (160, 120)}, Fraction(20)) as write:
+        with frame_writers.open_writers(
+            out, {"": (160, 120)}, frame_writers.FilmFormat(Fraction(20))
+        ) as write:
             for number, picture in enumerate(pictures):
                 write(number, {"": picture.astype(np.uint8)})
         films.add(out.read_bytes())
@@ -242,7 +244,7 @@ def test_the_name_decides(tmp_path):
 def test_each_window_of_a_theatre_has_an_output_of_its_own(tmp_path, name):
     out = tmp_path / name
     sizes = {"left": (64, 48), "right": (32, 48)}
-    with frame_writers.open_writers(out, sizes, Fraction(20)) as write:
+    with frame_writers.open_writers(out, sizes, frame_writers.FilmFormat(Fraction(20))) as write:
         for k in range(3):
             write(k, {"left": grey(20 * k), "right": grey(100)[:, :32]})
     if name == "dive":

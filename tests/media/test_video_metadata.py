@@ -9,7 +9,7 @@ import pytest
 from av.sidedata.sidedata import Type
 from PIL import Image
 
-from subsea.media.frame_writers import metadata_for, open_writers
+from subsea.media.frame_writers import FilmFormat, metadata_for, open_writers
 
 SIZE = (64, 48)
 
@@ -17,7 +17,7 @@ SIZE = (64, 48)
 def film(out, display, frames=40):
     dice = np.random.default_rng(1)
     pictures = [dice.integers(0, 255, (6, 8, 3), np.uint8) for _ in range(frames)]
-    with open_writers(out, {"": SIZE}, Fraction(20), metadata_for(display)) as write:
+    with open_writers(out, {"": SIZE}, FilmFormat(Fraction(20), metadata_for(display))) as write:
         for k, picture in enumerate(pictures):
             write(k, {"": np.kron(picture, np.ones((8, 8, 1), np.uint8))})
 
@@ -91,7 +91,9 @@ def test_a_film_shows_the_colours_of_a_picture(display, tmp_path):
     picture = np.kron(PATCHES, np.ones((16, 16, 1), np.uint8))
     for name in ("a.mp4", "a.png"):
         out = {"": picture.shape[1::-1]}
-        with open_writers(tmp_path / name, out, Fraction(20), metadata_for(display)) as write:
+        with open_writers(
+            tmp_path / name, out, FilmFormat(Fraction(20), metadata_for(display))
+        ) as write:
             write(0, {"": picture})
     with Image.open(tmp_path / "a.png") as image:
         still = np.asarray(image)

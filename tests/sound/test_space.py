@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
 from subsea.sound.space import (
+    AMBISONIC,
     BINAURAL_S,
     BLOCK,
     LAYOUTS,
@@ -38,10 +39,19 @@ def test_a_tick_is_a_whole_number_of_samples():
     assert pytest.approx(0.033) == BLOCK / RATE
 
 
-@pytest.mark.parametrize("name", LAYOUTS)
+@pytest.mark.parametrize("name", [name for name in LAYOUTS if name != AMBISONIC])
 @given(way=WAYS)
 def test_the_power_of_a_source_does_not_depend_on_its_direction(name, way):
     assert (gains(LAYOUTS[name], way / np.linalg.norm(way)) ** 2).sum() == pytest.approx(1.0)
+
+
+@given(way=WAYS)
+def test_channels_of_a_sphere_hold_the_direction(way):
+    """Those of ambiX: all round, left, up, ahead, each harmonic as large as the first (SN3D)."""
+    right, ahead, up = way / np.linalg.norm(way)
+    found = gains(LAYOUTS[AMBISONIC], (right, ahead, up))
+    assert found == pytest.approx([1.0, -right, up, ahead])
+    assert (gains(LAYOUTS[AMBISONIC], (0.0, 0.0, 0.0)) == [1.0, 0.0, 0.0, 0.0]).all()
 
 
 @pytest.mark.parametrize("name", ["quad", "5.1", "7.1"])

@@ -29,7 +29,7 @@ from subsea.fish.surface import (
 )
 from subsea.frame.packet import KIND, resting_instances
 from subsea.geometry.curves import basis_at, dense
-from subsea.lab.dataset.bodies import Skins
+from subsea.rendering.fish.bodies import Skins
 from subsea.rendering.fish.fishes import FishShape, ShapePoints
 from subsea.view.retina import eye_place
 

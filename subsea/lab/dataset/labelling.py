@@ -13,34 +13,24 @@ from subsea.base.errors import UserError
 from subsea.dive.ride import FIRST, VALUES, values_of
 from subsea.frame.packet import FISH as NUMBER
 from subsea.frame.packet import KIND, instances_of, lamps_of, pack
-from subsea.geometry.rotation import matrix
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import is_free
 from subsea.habitat.reef import KINDS as GROWTHS
-from subsea.lab.dataset.bodies import (
-    NEAR_CM,
-    Shapes,
-    Vertices,
-    cover,
-    empty_coverage,
-    levels_of,
-    whole_boxes,
-)
+from subsea.lab.dataset.boxes import whole_boxes
 from subsea.lab.dataset.keypoints import NAMES, KeypointsIn, keypoint_shape, keypoints_at
-from subsea.lab.dataset.optics import (
-    STRAIGHT,
-    CameraLens,
-    Canvas,
-    FlatPort,
-    Optics,
-    canvas_of,
-    pixel_grid,
-    sources,
-    take_between,
-    take_nearest,
-)
 from subsea.library import World, check_fish, checked_size, drawing
+from subsea.media.flow import (
+    NEAR_CM,
+    Bodies,
+    Moment,
+    SeenMaps,
+    body_flow,
+    carried,
+    empty_coverage,
+    enter_bodies,
+)
+from subsea.rendering.fish.bodies import Shapes, Vertices, levels_of
 from subsea.rendering.fish.fishes import FishShape
 from subsea.rendering.gl.id_buffer import (
     BUBBLES,
@@ -48,6 +38,7 @@ from subsea.rendering.gl.id_buffer import (
     FISH,
     HOOK,
     KINDS,
+    NUMBERED,
     SEAWEED,
     SURFACE,
     IdMaps,
@@ -56,6 +47,17 @@ from subsea.rendering.reef.coral import LOOKS
 from subsea.view.camera import View, look, off_axis
 from subsea.view.display_rigs import cockpit
 from subsea.view.follow import follow_fish
+from subsea.view.optics import (
+    STRAIGHT,
+    CameraLens,
+    Canvas,
+    FlatPort,
+    Optics,
+    canvas_of,
+    sources,
+    take_between,
+    take_nearest,
+)
 from subsea.view.rig import CameraPose, CameraRig, DisplayPatch, Eye
 from subsea.world.world import World as State
 
@@ -136,7 +138,7 @@ class Labels:
     def name(self, identity: int) -> str:
         """Name a value of `identity`, such as "rock 3"."""
         kind = max((value, kind) for kind, value in VALUES.items() if value <= identity)
-        numbered = kind[1] in ("pillar", "rock", "coral", "fish")
+        numbered = kind[1] in NUMBERED
         return f"{kind[1]} {identity - kind[0]}" if numbered else kind[1]
 
 
@@ -316,16 +318,16 @@ class _Making:
         self._bodies = self._vertices(packet.instances)
         self._keypoints = keypoints_at(self._shapes.keypoints, self._kinds, self._instances, points)
         self._others: list[Any] = [None, None]  # bodies before and after
-        self._turned: list[Array] = [self._matrix, self._matrix]
-        self._moved: list[Array] = [packet.instances, packet.instances]
+        now = Moment(self._matrix, packet.instances, points)
+        self._moments = [now, now, now]  # before, after, now
 
     def look(self, which: int, pose: CameraPose, share: float) -> None:
         """Look at the bodies at another tick: the one before (0) or after (1)."""
         state = self._world.internal
         instances = instances_of(state, self._who, share)
-        self._moved[which] = instances
         self._others[which] = self._vertices(instances)
-        self._turned[which] = _matrix(pose)
+        points = state.library.control_points
+        self._moments[which] = Moment(_matrix(pose), instances, points)
 
     def finish(self) -> Labels:
         """Compute what is not drawn."""
@@ -349,6 +351,11 @@ class _Making:
             kinds=state.state.fishes.species.astype(np.int64),
         )
 
+    @property
+    def _seen(self) -> SeenMaps:
+        maps = self._maps
+        return SeenMaps(self._optics, self._matrix, maps.identity, maps.depth)
+
     def _vertices(self, instances: Array) -> dict[int, Vertices]:
         """Vertices of all bodies by level of detail."""
         state = self._world.internal
@@ -360,63 +367,33 @@ class _Making:
 
     def _cover(self) -> tuple[Any, Ints, Array]:
         """Find the pixels of all bodies; returns the coverage, hidden pixels and whole boxes."""
-        maps, n = self._maps, len(self._who)
+        n = len(self._who)
         coverage = empty_coverage(self._optics.size)
         hidden, whole = np.zeros(n, np.int64), np.full((n, 4), np.nan)
         mark = 1
         values = VALUES["fish"] + self._who
-        seen = (maps.identity, maps.depth)
         for level, (places, opacity) in self._bodies.items():
             rows = np.flatnonzero(self._levels == level)
             triangles = self._shapes.bodies.triangles[level]
-            points = _carried(self._matrix, places)
+            points = carried(self._matrix, places)
             whole[rows] = whole_boxes(self._optics, points, opacity, triangles)
             near = ~np.isnan(whole[rows, 0])
-            rows, points, opacity = rows[near], points[near], opacity[near]
-            others = [(b or self._bodies)[level].places[near] for b in self._others]
-            drawn = ~np.isnan(opacity) & (points[..., 2] > NEAR_CM)
-            depths = np.where(drawn, points[..., 2], np.nan)
-            hidden[rows] = cover(
-                self._optics.project(points),
-                np.stack([depths, opacity], axis=-1), triangles,
-                np.concatenate(others, axis=-1), values[rows], seen, tuple(coverage), mark,
-            )  # fmt: skip
+            rows = rows[near]
+            before, after = ((b or self._bodies)[level].places[near] for b in self._others)
+            vertices = Vertices(places[near], opacity[near])
+            bodies = Bodies(vertices, (before, after), triangles, values[rows])
+            hidden[rows] = enter_bodies(self._seen, bodies, coverage, mark)
             mark += len(rows)
         return coverage, hidden, whole
 
     def _flows(self, moved: Array) -> list[Array]:
         """Optical flow (h, w, 2) to the tick before and the one after."""
-        optics, maps = self._optics, self._maps
-        row, column = np.nonzero(maps.kind == FISH)
-        pixels = np.stack([column, row], axis=-1).astype(np.float64)
-        begin, way = optics.rays(pixels)
-        depth = maps.depth[row, column].astype(np.float64)
-        skin = begin + (depth - begin[:, 2])[:, None] * way
-        back = np.linalg.inv(self._matrix)
-        world = skin @ back[:3, :3].T + back[:3, 3]
+        maps, (*others, now) = self._maps, self._moments
+        flows = body_flow(self._seen, moved, now, self._who, others)
         unknown = np.isin(maps.kind, (SURFACE, SEAWEED, BUBBLES, HOOK)) | self._sways()
-        flows = []
-        for which, turned in enumerate(self._turned):
-            flow = self._still_flow(turned)
+        for flow in flows:
             flow[unknown] = np.nan
-            ends = moved[row, column, 3 * which : 3 * which + 3]
-            rest = np.isnan(ends[:, 0])
-            identity = maps.identity[row, column][rest]
-            ends[rest] = self._as_rigid(world[rest], identity, self._moved[which])
-            flow[row, column] = optics.project(_carried(turned, ends)) - pixels
-            flows.append(flow)
         return flows
-
-    def _still_flow(self, turned: Array) -> Array:
-        """Flow (h, w, 2) of what stands still, if the camera has another matrix."""
-        optics, maps = self._optics, self._maps
-        if np.array_equal(turned, self._matrix):
-            return np.zeros((*maps.depth.shape, 2), np.float32)
-        change = turned @ np.linalg.inv(self._matrix)
-        far = ~np.isfinite(maps.depth)[..., None]
-        points = optics.points(maps.depth)
-        seen = points @ change[:3, :3].T + np.where(far, 0.0, change[:3, 3])
-        return np.asarray(optics.project(seen) - pixel_grid(optics.size), np.float32)
 
     def _sways(self) -> Bools:
         """Pixels (h, w) of corals that bend with the swell."""
@@ -429,27 +406,13 @@ class _Making:
         number = np.where(maps.kind == CORAL, maps.identity - VALUES["coral"], 0)
         return (maps.kind == CORAL) & sways[reef.kind][number]
 
-    def _as_rigid(self, points: Array, identity: Ints, moved: Array) -> Array:
-        """Carry points (m, 3) of bodies as if these were rigid; for bodies of a few pixels."""
-        if not len(points):
-            return points
-        order = np.argsort(self._who)
-        row = order[np.searchsorted(self._who[order], identity - VALUES["fish"])]
-        ends = np.empty_like(points)
-        for i in np.unique(row):
-            mine = row == i
-            now, then = (matrix(one[i, 4:8].astype(np.float64)) for one in (self._instances, moved))
-            body = (points[mine] - self._instances[i, :3]) @ now
-            ends[mine] = moved[i, :3] + body @ then.T
-        return ends
-
     def _fishes(self, hidden: Ints, whole: Array) -> FishLabels:
         maps = self._maps
         fish = maps.kind == FISH
         number = np.where(fish, maps.identity - VALUES["fish"], 0)
         total = int(max(self._who.max(initial=0), number.max(initial=0))) + 1
         pixels = np.bincount(number[fish], minlength=total)[self._who]
-        points = _carried(self._matrix, self._instances[:, :3].astype(np.float64))
+        points = carried(self._matrix, self._instances[:, :3].astype(np.float64))
         distance = points[:, 2]
         shown = (pixels > 0) | ((hidden > 0) & ~np.isnan(whole[:, 0]))
         rows = np.flatnonzero(shown)
@@ -481,7 +444,7 @@ class _Making:
     def _states(self, rows: Ints) -> tuple[Array, Array, Ints, Ints]:
         """Keypoints of some fishes: places, depths, states and what hides them."""
         found = KeypointsIn._make(one[rows] for one in self._keypoints)
-        points = _carried(self._matrix, found.places)
+        points = carried(self._matrix, found.places)
         pixels = self._optics.project(points)
         pixels[~found.present] = np.nan
         z = np.where(found.present, points[..., 2], np.nan)
@@ -522,23 +485,10 @@ def _matrix(pose: CameraPose) -> Array:
     return out
 
 
-def _carried(matrix: Array, points: Array) -> Array:
-    """Carry points (…, 3) by a matrix (4, 4)."""
-    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
-
-
 def _through(optics: Optics, canvas: Canvas, picture: NDArray[np.uint8], seen: IdMaps) -> _Maps:
     """See a picture and its maps, drawn on a canvas, through a lens and a port."""
-    assert seen.slope is not None
     identity, depth = values_of(seen), seen.depth
-    # On the plane n·p = c, 1 / z is n·(x, y, 1) / c, with x and y from the middle of the picture.
-    across, down = seen.slope[..., 0], seen.slope[..., 1]
-    x, y = (np.arange(side, dtype=np.float32) - 0.5 * (side - 1) for side in canvas.size)
-    focal = np.float32(-canvas.focal_px)
-    steep = x * across + y[:, None] * down - np.float32(1.0) / depth
-    normal = np.stack([focal * across, focal * down, steep], axis=-1)
-    length = np.sqrt((normal * normal).sum(axis=-1, keepdims=True))
-    normal /= np.where(np.isfinite(depth)[..., None], length, np.nan)
+    normal = seen.normals(canvas.focal_px)
     if optics.straight:
         return _Maps(picture, seen.kind, identity, depth, normal)
     place = sources(optics, canvas, depth)

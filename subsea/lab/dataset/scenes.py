@@ -20,7 +20,6 @@ from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import clearance
 from subsea.lab.dataset.labelling import Drawing, Labels, inside, labels_of
-from subsea.lab.dataset.optics import CameraLens, FlatPort, Optics
 from subsea.lab.dataset.ranges import DrawnRange, change_of, drawn, picture_ranges, scene_ranges
 from subsea.lab.dataset.sensor import (
     depth_map,
@@ -33,6 +32,7 @@ from subsea.lab.dataset.sensor import (
 )
 from subsea.library import World, load
 from subsea.submarine.vessel import NEUTRAL
+from subsea.view.optics import CameraLens, FlatPort, Optics
 from subsea.view.rig import CameraPose, pose_from_angles
 from subsea.world.step import Order, step
 from subsea.world.world import TICK_S

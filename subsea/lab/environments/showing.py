@@ -11,7 +11,7 @@ import numpy as np
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import check_folder
-from subsea.media.frame_writers import film_writer, fitted_size, frame_rate
+from subsea.media.frame_writers import FilmFormat, film_writer, fitted_size, frame_rate
 
 RENDER_MODES = ["human", "rgb_array"]
 TITLE = "subsea"
@@ -155,7 +155,7 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any]):
         if self._write is None:
             if not (wide and high):
                 raise UserError("a film needs pictures of at least 2 by 2 pixels", file=self._path)
-            film = film_writer(self._path, (wide, high), self._rate)
+            film = film_writer(self._path, (wide, high), FilmFormat(self._rate))
             self._write = self._film.enter_context(film)
         self._write(self._number, np.ascontiguousarray(picture[:high, :wide]))
         self._number += 1

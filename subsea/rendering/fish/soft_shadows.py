@@ -12,7 +12,8 @@ from subsea.geometry.solids import height_at
 from subsea.habitat.stone import SUN
 from subsea.kernels import kernel
 from subsea.rendering.gl.context import GpuOwner, replace_data
-from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.shaders import set_uniforms
 from subsea.state import HULL_CM
 from subsea.view.camera import middle_eye
 
@@ -56,10 +57,10 @@ class SoftShadowRenderer(GpuOwner):
         self._sand = Sand(scene.terrain, float(scene.terrain_half_width_cm))
         self._records = np.zeros((MOST, COLUMNS), np.float32)
         self._number = 0
-        self._program = self.own(program(context, "blobs"))
+        self._programs = self.own(ProgramVariants(context, "blobs"))
         self._buffer = self.own(context.buffer(reserve=self._records.nbytes))
         content = [(self._buffer, "3f4 4f4 3f4 /i", "a_place", "a_lie", "a_size")]
-        self._array = self.own(context.vertex_array(self._program, content))
+        self._array = self._programs.array(content)
 
     def upload(self, packet: Packet, fishes: bool = True) -> None:
         """Compute and upload the shadows of a packet; without `fishes`, the submarine's alone."""
@@ -73,8 +74,9 @@ class SoftShadowRenderer(GpuOwner):
     def draw(self, uniforms: dict[str, Any]) -> int:
         """Blend the shadows over the sand; returns the number of triangles."""
         if self._number:
-            set_uniforms(self._program, **uniforms)
-            self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._number)
+            array = self._programs.variant(self._array, ("PASSES",) * ("u_passes" in uniforms))
+            set_uniforms(array.program, **uniforms)
+            array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._number)
         return 2 * self._number
 
 

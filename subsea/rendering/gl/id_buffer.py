@@ -22,6 +22,7 @@ KINDS = (
     "fish",
 )  # fmt: skip
 WATER, SURFACE, SEABED, PILLAR, ROCK, CORAL, SEAWEED, BUBBLES, HOOK, FISH = range(10)
+NUMBERED = "pillar", "rock", "coral", "fish"  # kinds whose things have a number
 NUMBERS = 2**20  # ids of one kind
 
 
@@ -39,6 +40,25 @@ class IdMaps(NamedTuple):
     # (h, w, 2) float32, change of 1 / depth from pixel to pixel, to the right and down, on the
     # plane of the triangle that is seen; None: not known
     slope: Array | None = None
+
+    def normals(self, focal_px: float) -> Array:
+        """The unit normals (h, w, 3) of the drawn triangles; NaN in open water.
+
+        Axes of the camera: x right, y down, z ahead. It is a pinhole that looks along the middle of
+        the picture.
+        """
+        if self.slope is None:
+            raise ValueError("these maps have no slopes")
+        # On the plane n·p = c, 1 / z is n·(x, y, 1) / c, with x and y from the middle.
+        across, down = self.slope[..., 0], self.slope[..., 1]
+        height, width = self.depth.shape
+        x, y = (np.arange(side, dtype=np.float32) - 0.5 * (side - 1) for side in (width, height))
+        focal = np.float32(-focal_px)
+        steep = x * across + y[:, None] * down - np.float32(1.0) / self.depth
+        normal = np.stack([focal * across, focal * down, steep], axis=-1)
+        length = np.sqrt((normal * normal).sum(axis=-1, keepdims=True))
+        normal /= np.where(np.isfinite(self.depth)[..., None], length, np.nan)
+        return np.asarray(normal)
 
 
 class IdBuffer(GpuOwner):

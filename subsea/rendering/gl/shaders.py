@@ -35,6 +35,7 @@ NEEDS = {
     "LIT": "u_lamps",
     "SUN_MAP": "u_sun_view",
     "FISH_MAP": "u_fish_view",
+    "PASSES": "u_passes",  # the parts of the light, for compositing
 }
 
 BLOCKS = {"Looks": 0, "View": 1}  # bindings of uniform blocks

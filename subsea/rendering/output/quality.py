@@ -46,6 +46,9 @@ class Quality:
     # True: light spreads around what is very bright, in pictures of one eye.
     bloom: bool = False
 
+    # True: finished pictures have 16 bits, and not 8: for films with more than 256 levels.
+    deep: bool = False
+
     # True: details that show at arm's length, such as polyps of corals and veins of leaves.
     close_up: bool = True
 
@@ -66,9 +69,9 @@ class Quality:
         return not (self.floats or self.bloom)
 
     @property
-    def canvas(self) -> tuple[float, int, bool]:
-        """All that the canvas depends on."""
-        return self.scale, self.samples, self.integers
+    def canvas(self) -> tuple[float, int, bool, bool]:
+        """All that the canvas and the finished pictures depend on."""
+        return self.scale, self.samples, self.integers, self.deep
 
     @property
     def packing(self) -> PackOptions:

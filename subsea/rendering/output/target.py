@@ -9,10 +9,11 @@ import moderngl
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.base.pictures import Pixels
 from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms, source
 from subsea.rendering.gl.textures import upload
-from subsea.rendering.output.quality import Quality
+from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.scenario.schema import UNGRADED, Grade
 from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
@@ -119,7 +120,7 @@ MOST_LIGHT = 8.0  # that a canvas of integers holds: the filmic curve shows more
 class RenderTarget(GpuOwner):
     """A canvas with depth, optionally multisampled, and the pictures made of it.
 
-    It holds half floats or, if `integers`, 16 bits from no light to MOST_LIGHT, which a software
+    It holds half floats or, if of integers, 16 bits from no light to MOST_LIGHT, which a software
     renderer blends and reads for less. `unit` is what the canvas holds for a light of 1.
     """
 
@@ -130,29 +131,34 @@ class RenderTarget(GpuOwner):
         samples: int,
         outputs: Sequence[tuple[int, int]],
         pages: int = 1,
-        integers: bool = False,
+        quality: Quality = PRESETS["medium"],
     ) -> None:
-        """Make it, with a picture for each page of each output; moderngl.Error leaves nothing."""
+        """Make it, with a picture for each page of each output; moderngl.Error leaves nothing.
+
+        It is of integers, and its pictures are deep, as the `quality` says.
+        """
         super().__init__()
-        # Textures of eight bits by output and page, and their framebuffers.
+        # Textures of 8 or 16 bits by output and page, and their framebuffers.
         self.pictures: dict[tuple[int, int], Any] = {}
         self.framebuffers: dict[tuple[int, int], Any] = {}
         self.size = size
         self._context = context
-        self._samples = samples
-        self.unit = 1.0 / MOST_LIGHT if integers else 1.0
-        kind = "nu2" if integers else "f2"
+        self.samples = samples
+        self.unit = 1.0 / MOST_LIGHT if quality.integers else 1.0
+        kind = "nu2" if quality.integers else "f2"
+        self.deep = quality.deep
+        shown = "nu2" if quality.deep else "f1"
         try:
-            self._canvas = self.own(context.texture(size, 4, dtype=kind))
-            self._canvas.repeat_x = self._canvas.repeat_y = False
-            self._flat = self.own(context.framebuffer([self._canvas]))
-            colour = self._canvas
+            self.canvas = self.own(context.texture(size, 4, dtype=kind))
+            self.canvas.repeat_x = self.canvas.repeat_y = False
+            self.flat = self.own(context.framebuffer([self.canvas]))
+            colour = self.canvas
             if samples:
                 colour = self.own(context.renderbuffer(size, 4, samples=samples, dtype=kind))
             depth = self.own(context.depth_renderbuffer(size, samples=samples))
             self.framebuffer = self.own(context.framebuffer([colour], depth))
             for key in product(range(len(outputs)), range(pages)):
-                self.pictures[key] = self.own(context.texture(outputs[key[0]], 4))
+                self.pictures[key] = self.own(context.texture(outputs[key[0]], 4, dtype=shown))
                 self.framebuffers[key] = self.own(context.framebuffer([self.pictures[key]]))
         except moderngl.Error:
             self.release()
@@ -166,9 +172,25 @@ class RenderTarget(GpuOwner):
 
     def resolved(self) -> Any:
         """The canvas as a texture, with samples resolved."""
-        if self._samples:
-            self._context.copy_framebuffer(self._flat, self.framebuffer)
-        return self._canvas
+        if self.samples:
+            self._context.copy_framebuffer(self.flat, self.framebuffer)
+        return self.canvas
+
+    def picture(self, output: int, page: int) -> Pixels:
+        """Read a finished picture (h, w, 3), top row first."""
+        framebuffer = self.framebuffers[output, page]
+        width, height = framebuffer.size
+        kind, number = ("nu2", np.uint16) if self.deep else ("f1", np.uint8)
+        data = framebuffer.read(components=3, alignment=1, dtype=kind)
+        return np.frombuffer(data, number).reshape(height, width, 3)[::-1]
+
+    def light(self, part: Rect) -> Array:
+        """Read the light (h, w, 3) of a part of the canvas that was resolved last, float32."""
+        kind, width, height = self.canvas.dtype, *part[2:]
+        data = self.flat.read(part, components=3, alignment=1, dtype=kind)
+        texels = np.frombuffer(data, np.float16 if kind == "f2" else np.uint16)
+        light = texels.reshape(height, width, 3)[::-1].astype(np.float32)
+        return np.asarray(light / self.unit / (1.0 if kind == "f2" else 65535.0))
 
 
 class ResolvePass(GpuOwner):
@@ -188,13 +210,13 @@ class ResolvePass(GpuOwner):
         self._programs: dict[tuple[int, ...], Any] = {}  # by constants
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
         self._held = self.own(GpuOwner())  # of these patches
-        self._smooth = smooth
+        self._smooth, self._deep = smooth, False
         self._bloom: Bloom | None = None
         self.arrange(patches)
 
     def adapt(self, quality: Quality) -> None:
         """Smooth edges, and let what is bright spread, as this quality says."""
-        self._smooth = quality.smooth
+        self._smooth, self._deep = quality.smooth, quality.deep
         if quality.bloom and self._bloom is None:
             self._bloom = self.own(Bloom(self._context))
         elif not quality.bloom and self._bloom is not None:
@@ -284,7 +306,13 @@ class ResolvePass(GpuOwner):
         mesh = patch.warp is not None
         graded = linear and self.grade != UNGRADED
         key = tuple(
-            map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom, exact))
+            map(
+                int,
+                (
+                    *(patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom),
+                    *(exact, self._deep),
+                ),
+            )
         )
         if key not in self._programs:
             names = (
@@ -297,6 +325,7 @@ class ResolvePass(GpuOwner):
                 "GRADED",
                 "BLOOM",
                 "EXACT",
+                "DEEP",
             )
             constants = dict(zip(names, key, strict=True))
             self._programs[key] = self.own(program(self._context, "resolve", **constants))

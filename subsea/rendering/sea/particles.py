@@ -198,8 +198,11 @@ class LineRenderer(GpuOwner):
             replace_data(self._buffer, np.ascontiguousarray(records, "f4"))
 
     def draw(self, packet: Packet, number: int, view: View, uniforms: dict[str, Any]) -> int:
-        """Blend all lines over a view; returns the number of triangles."""
-        count = len(packet.lines.ends)
+        """Blend all lines over a view; returns the number of triangles.
+
+        They are no part of the light of the sea.
+        """
+        count = 0 if "u_passes" in uniforms else len(packet.lines.ends)
         if not count or (packet.lined is not None and number >= packet.lined):
             return 0
         width = max(SHARE * view.viewport[3], THINNEST_PX)

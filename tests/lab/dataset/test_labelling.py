@@ -7,8 +7,8 @@ import subsea
 from subsea.frame.packet import KIND, instances_of
 from subsea.lab.dataset.keypoints import NAMES
 from subsea.lab.dataset.labelling import ABSENT, HIDDEN, OUTSIDE, VISIBLE
-from subsea.lab.dataset.optics import pixel_grid
 from subsea.rendering.fish.fishes import FishShape
+from subsea.view.optics import pixel_grid
 from subsea.view.retina import eyes_pose, fish_eyes
 
 SIZE = (320, 240)

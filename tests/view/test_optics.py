@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from subsea.lab.dataset.optics import (
+from subsea.view.optics import (
     CameraLens,
     FlatPort,
     Optics,

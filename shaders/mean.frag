@@ -1,0 +1,9 @@
+// Adds a picture to the sum of an exposure, or divides the sum: one pass of output/exposure.py.
+uniform sampler2D u_picture;
+uniform float u_share;
+
+out vec4 f_colour;
+
+void main() {
+    f_colour = u_share * texelFetch(u_picture, ivec2(gl_FragCoord.xy), 0);
+}
