@@ -21,7 +21,6 @@ from capture.learning.body_space import (
     body_at,
     gait_at,
     gait_point,
-    outline_volumes,
     species_point,
 )
 from capture.learning.fitness import disturbed_faults, steady_speed
@@ -34,6 +33,7 @@ from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
 from subsea.biomechanics.together import Course, swim_together
+from subsea.fish.scaffold import volumes_at
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
@@ -54,6 +54,7 @@ class LearningTask(NamedTuple):
     budget: int  # evaluations of the search for gaits
     seed: int
     journal: Path
+    enough: int = ENOUGH_SEARCHED  # candidates with gaits of all grades, if one of them passes
 
 
 class Learned(NamedTuple):
@@ -80,9 +81,9 @@ def learn_whole(task: LearningTask) -> Learned:
 def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | None:
     muscles = task.species.muscles
     assert muscles
-    volumes = outline_volumes(task.species.surface, muscles.body)
+    volumes = volumes_at(task.species.surface, muscles.body.stations)
     size = GAIT_SIZE + BODY_SIZE if task.body else GAIT_SIZE
-    plain = _without_grades(muscles.swim)
+    plain = without_grades(muscles.swim)
 
     def at(point: Floats | tuple[float, ...]) -> tuple[BodyPlan, SwimPlan]:
         place = np.asarray(point)
@@ -116,7 +117,7 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
         plan, swim = at(candidate.point)
         swim, others = _with_grades(build_body(plan), swim, task.seed, journal)
         searched += np.isfinite(others)
-        if searched > (ENOUGH_SEARCHED if best else MAX_SEARCHED):
+        if searched > (task.enough if best else MAX_SEARCHED):
             break
         if candidate.loss + others >= least:
             continue
@@ -125,7 +126,7 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
     return best
 
 
-def _without_grades(swim: SwimPlan) -> SwimPlan:
+def without_grades(swim: SwimPlan) -> SwimPlan:
     """A plan of its fast gait alone, which the other grades begin with."""
     return SwimPlan(
         ticks_per_beat=swim.ticks_per_beat,
