@@ -10,6 +10,7 @@ import numpy as np
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
 from subsea.base.files import file_hash
+from subsea.fish.forms import lay
 from subsea.fish.skinning import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
 from subsea.fish.surface import rest_control_points
@@ -62,6 +63,8 @@ def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
     """Couple the surface of a species to the nodes that its repertoire records."""
     nodes = repertoire.rest_nodes
     rest = rest_control_points(species.surface, repertoire.body_length_cm, nodes[0, 0])
+    if species.form == "flatfish":
+        rest = lay(rest)
     return couple(species.surface.coupling, nodes, rest)
 
 
