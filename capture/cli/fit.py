@@ -23,6 +23,7 @@ def add(commands: Any) -> None:
         [
             "subsea-capture fit tuna.toml --name yellowfin_tuna --length 120",
             "subsea-capture fit tuna.toml --name yellowfin_tuna --length 120 --mass 27000 --record",
+            "subsea-capture fit plaice.toml --name plaice --form flatfish --record",
             "subsea-capture fit my_fish",
         ],
     )
@@ -43,6 +44,11 @@ def add(commands: Any) -> None:
         metavar="G",
         type=number_reader(float, 0.01, 1_000_000),
         help="mass at that length, which gives the width (default: a usual width)",
+    )
+    parser.add_argument(
+        "--form",
+        choices=["fish", "flatfish", "boxfish"],
+        help="a fish that bends (default), one that lies on its side, or a stiff one that rows",
     )
     parser.add_argument(
         "--record", action="store_true", help="then record its motion, for scenarios"
@@ -82,6 +88,7 @@ def run(options: argparse.Namespace) -> int:
         out=options.out,
         length_cm=options.length,
         mass_g=options.mass,
+        form=options.form,
         budget=options.budget,
         seed=options.seed,
         dry_run=options.dry_run,

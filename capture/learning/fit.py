@@ -20,13 +20,15 @@ from capture.learning.improve import writable_source
 from capture.learning.lifelike import wave_course
 from capture.learning.whole import LearningTask, without_grades
 from subsea.base.errors import UserError
-from subsea.base.files import read_text
+from subsea.base.file_kinds import check_result, toml_file
+from subsea.base.files import read_text, replacing
 from subsea.base.system import is_path, require, resource_path
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import BodyPlan, SwimPlan
 from subsea.biomechanics.together import swim_together
+from subsea.fish.forms import Form
 from subsea.fish.outline_file import OutlinePlan, has_tail_fin, read_outline
 from subsea.fish.scaffold import fit_scaffold, volumes_at
 from subsea.fish.species import (
@@ -43,8 +45,10 @@ FIRMNESS = (0.5, 1.0, 2.0)  # factors of the stiffness that are tried
 YOUNGEST, OLDEST = 0.8, 1.1  # sizes of adults over the length that is told
 NO_TAIL_FIN = (
     "it has no tail fin: nothing at its rear is higher than the narrowest place before it, so "
-    "bending cannot drive it"
+    "bending cannot drive it; give --form boxfish for a stiff fish that rows with its pectoral fins"
 )
+ROW = {"ticks_per_stroke": 12, "amplitude": 45.0}  # of a boxfish without strokes of its own
+OVER_GROUND = (0.3, 2.0)  # at which a flatfish cruises, body lengths
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,7 @@ class FitRequest:
     out: Path | None = None
     length_cm: float | None = None
     mass_g: float | None = None
+    form: Form | None = None  # None: that of the species, of an outline a fish that bends
     budget: int = 800
     seed: int = 1
     dry_run: bool = False
@@ -73,19 +78,22 @@ def fit_species(request: FitRequest) -> Path | None:
     source = source or Path(request.source)
     text, surface = _begin(request, source)
     target = _target(request, source)
-    if not has_tail_fin(surface):
+    content = tomllib.loads(text)
+    form: Form = request.form or content.get("form", "fish")
+    if form != "boxfish" and not has_tail_fin(surface):
         raise UserError(NO_TAIL_FIN, file=source)
     try:
         body = fit_scaffold(surface)
     except ValueError as fault:
         raise UserError(f"no scaffold fits this outline: {fault}", file=source) from None
+    if form == "boxfish":  # nothing bends: there is no gait to search
+        shaped = _shaped(content, form, body=body)
+        return _write(target, edit_toml(text, content, shaped, (), source), request)
     body, swim = first_guess(surface, body)
-    content = tomllib.loads(text)
-    tables = {"body": body, "swim": swim}
     with TemporaryDirectory() as scratch:
         draft = Path(scratch) / f"{target.stem}.toml"
-        changed = content | {key: _plain(table) for key, table in tables.items()}
-        draft.write_text(edit_toml(text, content, changed, (), source), encoding="utf-8")
+        shaped = _shaped(content, form, body=body, swim=swim)
+        draft.write_text(edit_toml(text, content, shaped, (), source), encoding="utf-8")
         species = load_toml(draft, Species)
         journal = journal_path(Path(scratch) / target.name if request.dry_run else target)
         task = LearningTask(
@@ -96,6 +104,31 @@ def fit_species(request: FitRequest) -> Path | None:
             {target.stem: plan}, 1, request.dry_run, request.force, request.progress
         )
     return target if found else None
+
+
+def _shaped(content: dict[str, Any], form: Form, **tables: msgspec.Struct) -> dict[str, Any]:
+    """The content of a species file with other tables, and what its form needs."""
+    shaped = content | {key: _plain(table) for key, table in tables.items()}
+    if form != content.get("form", "fish"):
+        shaped["form"] = form
+    if form == "boxfish":
+        shaped["row"] = content.get("row", ROW)
+    if form == "flatfish":
+        shaped.setdefault("cruise_height", OVER_GROUND)
+        shaped["surface"] = {k: v for k, v in content["surface"].items() if k != "pectoral"}
+    return shaped
+
+
+def _write(target: Path, text: str, request: FitRequest) -> Path | None:
+    """Write a species file, whole or not at all."""
+    check_result(target, toml_file("a species", "surface", "skin"), request.force)
+    if request.dry_run:
+        return None
+    with replacing(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+        load_toml(temporary, Species)
+    print(f"{target}: a stiff body that rows: no gait is searched")
+    return target
 
 
 def first_guess(surface: SurfacePlan, fitted: BodyPlan) -> tuple[BodyPlan, SwimPlan]:

@@ -1,8 +1,8 @@
 """Record a boxfish: a stiff body that its pectoral fins row (ostraciiform, labriform).
 
-All grades are strokes of both fins, at other frequencies. In a turn the outer fin strokes and the
-inner one stands against the water: the simulation of a rowing turn gives the heading, the body
-stays straight.
+All grades are strokes of both fins, at other frequencies; thrust and drag give the speed. Turns
+follow a rule: the water of slender bodies resists the yaw of a stiff one far more than that of a
+box, which turns nearly on the spot, by up to 218° a second (Walker 2000; recalled).
 """
 
 import math
@@ -13,11 +13,10 @@ import numpy as np
 
 from capture.recording.record import Recorded, motion_of
 from capture.recording.record import assemble as assemble_bending
-from subsea.base.errors import UserError
-from subsea.biomechanics.body import Floats, body_frame, build_body, to_world
-from subsea.biomechanics.coasting import COAST_TICKS, row_turn
-from subsea.biomechanics.fins import headings
-from subsea.biomechanics.manoeuvres import MIRROR
+from subsea.biomechanics.body import Floats, build_body, to_world
+from subsea.biomechanics.coasting import COAST_TICKS
+from subsea.biomechanics.controllers import ease
+from subsea.biomechanics.manoeuvres import BACKING, MIRROR
 from subsea.biomechanics.rowing import Oars, balanced_speed, oars_of, row_stroke, row_ticks
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_TU
 from subsea.fish.species import Species
@@ -28,8 +27,9 @@ from subsea.repertoire.segments import make_segment
 SOURCE = "boxfish"
 SLOWER = {"slow": 1.6, "medium": 1.0, "fast": 0.7, "burst": 0.5}  # ticks of a stroke over [row]
 FEWEST_TICKS = 4
-SHARP_DEG = 90.0
-MOST_STROKES = 40  # of a start or a sharp turn
+GRADUAL_DEG = 12.0  # of heading in a stroke of a gradual turn
+SHARP_DEG, SHARP_STROKES = 90.0, 4
+MOST_STROKES = 40  # of a start
 STARTED, STOPPED = 0.9, 0.1  # shares of the speed of medium at which a start and a stop end
 PER_TICK = 4 * STEPS_PER_TICK  # steps of a stroke
 ROWED = ("swim_burst", "swim_start", "swim_stop", "swim_coast", "row_forward")
@@ -84,7 +84,7 @@ def _straight(species: Species, grade: str) -> tuple[Floats, float]:
         ways = np.full(COAST_TICKS, speed * TICK_TU)
         slowing = oars.drag / oars.mass * speed * TICK_TU
     elif grade == "start":
-        ways = _start(oars, ticks, speed)
+        ways = _start(*_oars(species, "burst"), speed)
     elif grade == "stop":
         ways = _stop(oars, speed)
     else:
@@ -99,7 +99,7 @@ def _straight(species: Species, grade: str) -> tuple[Floats, float]:
 
 
 def _start(oars: Oars, ticks: int, usual: float) -> Floats:
-    """Ways (T,), cm, of the ticks of strokes from rest."""
+    """Ways (T,), cm, of the ticks of quick strokes from rest."""
     speed, ways = 0.0, list[float]()
     for _ in range(MOST_STROKES):
         speeds = row_stroke(oars, speed, ticks * PER_TICK)
@@ -111,34 +111,30 @@ def _start(oars: Oars, ticks: int, usual: float) -> Floats:
     return np.array(ways)
 
 
-def _stop(oars: Oars, speed: float) -> Floats:
-    """Ways (T,), cm, of the ticks in which both fins stand against the water.
-
-    The drag grows with the square of the speed, so 1 / speed grows evenly.
-    """
+def _stop(oars: Oars, usual: float) -> Floats:
+    """Ways (T,), cm, of the ticks in which both fins row backwards, as those of other fishes."""
     area = 2.0 * 0.25 * math.pi * oars.length * oars.width
-    rate = (oars.drag + area) / oars.mass  # 1/cm
-    ticks = math.ceil((1.0 / STOPPED - 1.0) / (rate * speed * TICK_TU))
-    way = np.log1p(rate * speed * TICK_TU * np.arange(ticks + 1)) / rate
-    return np.diff(way)
+    speed, ways, step = usual, list[float](), TICK_TU / PER_TICK
+    while speed > STOPPED * usual:
+        way = 0.0
+        for _ in range(PER_TICK):
+            way += step * speed
+            push = area * (speed + BACKING * usual) ** 2 + oars.drag * speed**2
+            speed = max(speed - step * push / oars.mass, 0.0)
+        ways.append(way)
+    return np.array(ways)
 
 
 def _turn(species: Species, grade: str) -> tuple[Floats, float]:
-    """The steps (T, 3) of a turn to the left: of a stroke, or of as many as a sharp turn needs."""
-    oars, ticks = _oars(species, "medium")
-    motion = motion_of(species)
-    stiff = msgspec.structs.replace(motion.turn, gradual=(0.0, 0.0))
-    frames = row_turn(motion._replace(turn=stiff), oars, ticks).frames
-    origin, rotation = body_frame(frames)
-    moved = np.einsum("tji,tj->ti", rotation[:-1], np.diff(origin, axis=0))
-    heading = np.radians(np.diff(headings(frames)))
-    steps = np.stack([moved[:, 0], moved[:, 2], heading], axis=1)
-    turned = math.degrees(heading.sum())
-    if turned < 360.0 / (4 * MOST_STROKES):
-        raise UserError(f"a stroke of one pectoral fin turns it by {turned:.1f} degrees only")
+    """The steps (T, 3) of a turn to the left by strokes of medium."""
+    steps, slowing = _straight(species, "medium")
     if grade == "sharp":
-        steps = np.tile(steps, (math.ceil(SHARP_DEG / turned), 1))
-    return steps, 0.0
+        steps = np.tile(steps, (SHARP_STROKES, 1))
+        heading = SHARP_DEG * ease(np.arange(len(steps) + 1) / len(steps))
+    else:
+        heading = np.linspace(0.0, GRADUAL_DEG, len(steps) + 1)
+    steps[:, 2] = np.radians(np.diff(heading))
+    return steps, slowing
 
 
 def _path(steps: Floats) -> tuple[Floats, Floats]:

@@ -178,7 +178,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     name: str
     scientific_name: str
     kind: Literal["pacifist", "prey", "predator"]
-    form: Form = "fish"  # of its body, and so how it swims
+    form: Form = "fish"  # how its body swims
     schooling: bool
     size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
     pace: Annotated[float, msgspec.Meta(ge=0.25, le=4)] = (
