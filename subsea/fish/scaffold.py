@@ -22,6 +22,7 @@ MARGIN = 1.15  # of the longest stable step over the step
 RING_PLACES = np.array([0.13, 0.4, 0.645, 0.83, 1.0])  # of the rings, over the root of the tail
 HINDMOST_ROOT = 0.86  # body lengths: the tail needs a section of some length behind the last ring
 HEIGHT_SHARES = np.array([0.55, 0.58, 0.66, 0.78, 1.05])  # of rings over the outline
+OUTSIDE = np.array([1.05, 1.05, 1.05, 1.3, 1.8])  # the same at most, of the shipped bodies
 LEAST_HEIGHTS = np.array([0.025, 0.045, 0.05, 0.05, 0.058])  # body lengths, half
 HALF_WIDTHS = np.array([0.036, 0.058, 0.054, 0.046, 0.046])  # body lengths: the muscles' levers
 TAIL_SHARE, TAIL_HEIGHTS = 0.375, (0.085, 0.13)  # half height over the span; body lengths
@@ -43,7 +44,8 @@ def fit_scaffold(surface: SurfacePlan, length: float = MODEL_CM) -> BodyPlan:
     """
     places = RING_PLACES * min(surface.tail.begin, HINDMOST_ROOT)
     back, belly = along(surface.back, places), along(surface.belly, places)
-    heights = np.maximum(HEIGHT_SHARES * np.minimum(back, -belly), LEAST_HEIGHTS)
+    half = np.minimum(back, -belly)
+    heights = np.maximum(HEIGHT_SHARES * half, np.minimum(LEAST_HEIGHTS, 0.97 * OUTSIDE * half))
     span = surface.back[-1][1] - surface.belly[-1][1]
     spans = np.maximum([*_heights_with_fins(surface, places), span], LEAST_SPAN)
     stations: Any = tuple(np.round([0.0, *(places * length), length], 2).tolist())
