@@ -97,7 +97,7 @@ def fit_species(request: FitRequest) -> Path | None:
         species = load_toml(draft, Species)
         journal = journal_path(Path(scratch) / target.name if request.dry_run else target)
         task = LearningTask(
-            target.stem, species, True, request.budget, request.seed, journal, enough=1
+            target.stem, species, True, request.budget, request.seed, journal, quick=True
         )
         plan = Plan(task, draft, None if request.dry_run else target)
         found = learn_plans(

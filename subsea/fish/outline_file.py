@@ -7,7 +7,7 @@ that of fishes of this height.
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
@@ -89,7 +89,7 @@ def make_surface(
 
     line = place(line)
     back, belly, edge = _paths(line, root, finned)
-    fins = {}
+    fins: dict[str, Any] = {}
     for name in ("dorsal", "ventral"):
         if points := getattr(plan, name):
             fins[name] = _fin(place((np.array(points) - corner) * scale), name)

@@ -48,7 +48,7 @@ def test_a_search_begins_with_a_plain_fish_of_the_outline(drafted):
     assert (species.name, species.form, species.size_cm) == ("My tuna", "fish", (80.0, 110.0))
     assert species.surface == read_outline(OUTLINES / "tuna.toml", 100.0, None)
     assert species.skin.dorsal is None and species.surface.dorsal is None
-    assert task.name == "my_tuna" and task.body and task.enough == 1
+    assert task.name == "my_tuna" and task.body and task.quick
     # The first guess is better than the scaffold with the gait of one species.
     loss = wave_loss(build_body(species.body), species.swim, "fast", 1)
     assert loss < 20.0
