@@ -14,13 +14,12 @@ from capture.recording.record import Recorded, motion_of
 from capture.recording.record import assemble as assemble_upright
 from capture.recording.spine_motion import FRAME_NODES, SwimPath
 from subsea.base.arrays import Array
-from subsea.biomechanics.body import Floats, body_frame, build_body, to_body, to_world
+from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.controllers import LEFT
 from subsea.biomechanics.trial import displacement
-from subsea.fish.forms import lay, lay_nodes
-from subsea.fish.skinning import couple, place
+from subsea.fish.forms import couple_surface, lay_nodes
+from subsea.fish.skinning import place
 from subsea.fish.species import Species
-from subsea.fish.surface import rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.schema import ACYCLIC, BASIC_SEGMENTS
 from subsea.repertoire.segments import make_segment, run_trial, side_of
@@ -69,12 +68,10 @@ def record_segment(species: Species, name: str) -> Recorded:
     centre = motion.body.stations[2] / length
     bend = (0.0, way[-1]) if grade != "sharp" else (centre, way[-1] - (1.0 - centre))
     path = SwimPath(float(way[-1]), bend, turn, grade != "sharp")
-    surface = rest_control_points(species.surface, length, body.rest[0, 0])
-    coupling = couple(species.surface.coupling, body.rest, surface)
-    origin, rotation = body_frame(frames)
-    skin = to_world(place(coupling, to_body(frames, origin, rotation)), origin, rotation)
-    nodes, points = (_follow(part, path, length) for part in (lay_nodes(frames), lay(skin)))
-    nodes[:, FRAME_NODES] = _on_path(lay_nodes(body.rest)[FRAME_NODES], path, way, length)
+    lying, rest = lay_nodes(frames), lay_nodes(body.rest)
+    skin = place(couple_surface("flatfish", species.surface, length, rest), lying)
+    nodes, points = (_follow(part, path, length) for part in (lying, skin))
+    nodes[:, FRAME_NODES] = _on_path(rest[FRAME_NODES], path, way, length)
     segment = make_segment(
         nodes, length,
         pattern="left" if "left" in name else "right" if "right" in name else "forward",

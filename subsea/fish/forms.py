@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.fish.skinning import Coupling, couple
+from subsea.fish.surface import SurfacePlan, rest_control_points
 
 Form = Literal["fish", "flatfish", "boxfish"]
 # The nodes of an upright body that are at the places of nodes 0 to 22 of a lying one.
@@ -22,3 +24,18 @@ def lay(points: Array) -> Array:
 def lay_nodes(nodes: Array) -> Array:
     """Lay nodes (…, 23, 3), in the order in which rings of a lying body have them."""
     return lay(nodes)[..., LYING, :]
+
+
+def couple_surface(form: Form, surface: SurfacePlan, length: float, nodes: Array) -> Coupling:
+    """Couple a surface to nodes (23, 3) at rest, of a flatfish lying ones; ``length`` in cm.
+
+    A lying body is a rotated one, so its surface has the same weights on the same nodes. They are
+    those of sections, as other methods take axes of the hull.
+    """
+    rest = rest_control_points(surface, length, nodes[0, 0])
+    if form != "flatfish":
+        return couple(surface.coupling, nodes, rest)
+    upright = np.empty(nodes.shape)
+    upright[LYING] = np.stack([nodes[:, 0], -nodes[:, 2], nodes[:, 1]], axis=1)
+    coupling = couple("sections", upright, rest)
+    return coupling._replace(weights=coupling.weights[:, LYING])

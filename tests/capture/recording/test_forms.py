@@ -10,8 +10,10 @@ from capture.recording.forms import assemble, record_segment, segments_of
 from subsea.biomechanics.body import body_frame, build_body
 from subsea.biomechanics.rowing import RowPlan
 from subsea.biomechanics.trial import displacement, grade_contraction, steady_beat
-from subsea.fish.forms import lay, lay_nodes
+from subsea.fish.forms import couple_surface, lay, lay_nodes
+from subsea.fish.skinning import couple, place
 from subsea.fish.species import load_species
+from subsea.fish.surface import rest_control_points
 from subsea.geometry.rotation import matrix
 from subsea.repertoire.schema import BASIC_SEGMENTS
 
@@ -55,6 +57,14 @@ def test_a_lying_body_is_the_upright_one_on_its_side(tang):
     assert np.ptp(lying[:, 1]) == pytest.approx(np.ptp(rest[:, 2]))  # as high as it was wide
     # A rotation keeps the handedness; the right flank looks up.
     np.testing.assert_allclose(lay(np.eye(3)), [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+
+def test_the_skin_of_a_lying_body_is_the_upright_one_on_its_side(tang):
+    length, rest = tang.length_cm, build_body(tang.body).rest
+    upright = couple("sections", rest, rest_control_points(tang.surface, length, rest[0, 0]))
+    lying = couple_surface("flatfish", tang.surface, length, lay_nodes(rest))
+    bent = rest + np.random.default_rng(1).normal(0.0, 0.2, rest.shape)
+    np.testing.assert_allclose(place(lying, lay_nodes(bent)), lay(place(upright, bent)), atol=1e-9)
 
 
 def test_a_flatfish_undulates_up_and_down_as_its_upright_body_does_aside(flat, tang, swim):
