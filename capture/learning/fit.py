@@ -42,7 +42,7 @@ from subsea.fish.surface import SurfacePlan
 
 PLAIN = "assets/outline_species.toml"  # all that an outline does not tell
 FIRMNESS = (0.5, 1.0, 2.0)  # factors of the stiffness that are tried
-YOUNGEST, OLDEST = 0.8, 1.1  # sizes of adults over the length that is told
+YOUNGEST, OLDEST = 0.8, 1.1  # sizes of adults over the given length
 NO_TAIL_FIN = (
     "it has no tail fin: nothing at its rear is higher than the narrowest place before it, so "
     "bending cannot drive it; give --form boxfish for a stiff fish that rows with its pectoral fins"

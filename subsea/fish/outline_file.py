@@ -56,7 +56,7 @@ def is_outline(content: object) -> bool:
 def read_outline(path: Path, length_cm: float | None, mass_g: float | None) -> SurfacePlan:
     """The surface of the fish in a file; a length and a mass replace those of the file.
 
-    UserError for a line that is no outline of a fish, in one line with the key.
+    UserError with the key for a line that cannot be the outline of a fish.
     """
     plan = load_toml(path, OutlinePlan)
     length, mass = length_cm or plan.length_cm, mass_g or plan.mass_g
@@ -71,7 +71,7 @@ def read_outline(path: Path, length_cm: float | None, mass_g: float | None) -> S
 def make_surface(
     plan: OutlinePlan, length_cm: float | None = None, mass_g: float | None = None
 ) -> SurfacePlan:
-    """The surface of an outline; ValueError for a line that is no outline of a fish."""
+    """The surface of an outline; ValueError for a line that cannot be the outline of a fish."""
     line = _from_snout(plan.outline)
     scale = 1.0 / float(np.ptp(line[:, 0]))
     corner = np.array([line[0, 0], line[0, 1]])

@@ -1,4 +1,4 @@
-"""Surfaces from side outlines: back, belly, tail and width, and lines that are no fish."""
+"""Surfaces from side outlines: back, belly, tail and width, and lines that cannot be a fish."""
 
 import numpy as np
 import pytest
