@@ -92,7 +92,7 @@ TRIES = 300  # of a search for controllers, the default of the command
 FEWEST, MOST = 20, 3000
 USER_FAULT = 2  # exit code after a one-line error of the user
 JOBS_HELP = (
-    "Fit sets rings, masses and gaits by the outline. Learn finds better muscle movements. Record "
+    "Fit body sets rings, masses and gaits by the outline. Learn finds better muscle movements. Record "
     "takes down its motion, for scenarios."
 )
 DOING = {"fit": "fitting…", "learn": "learning…", "record": "recording…"}
@@ -188,7 +188,7 @@ def _describe_end(kind: str, key: str, process: CommandProcess, code: int) -> st
     """Describe in a sentence how a command ended."""
     if process.stopped:
         kept = {
-            "fit": "the file is as it was, and Fit goes on where it stopped",
+            "fit": "the file is as it was, and Fit body goes on where it stopped",
             "learn": "the file is as it was",
             "record": "Record goes on where it stopped",
         }

@@ -264,7 +264,7 @@ class FishBuilder:
 
         muscular = bool(self.editing.present.species.muscles)
         return {
-            "Fit to outline": partial(start, self._fit) if muscular else None,
+            "Fit body": partial(start, self._fit) if muscular else None,
             "Learn": partial(start, self._learn) if muscular else None,
             "Record": partial(start, self._record),
         }
