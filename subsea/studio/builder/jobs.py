@@ -92,8 +92,8 @@ TRIES = 300  # of a search for controllers, the default of the command
 FEWEST, MOST = 20, 3000
 USER_FAULT = 2  # exit code after a one-line error of the user
 JOBS_HELP = (
-    "Fit body sets rings, masses and gaits by the outline. Learn finds better muscle movements. Record "
-    "takes down its motion, for scenarios."
+    "Fit body sets rings, masses and gaits by the outline. Learn finds better muscle movements. "
+    "Record takes down its motion, for scenarios."
 )
 DOING = {"fit": "fitting…", "learn": "learning…", "record": "recording…"}
 
