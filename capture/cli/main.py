@@ -5,13 +5,13 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from capture.cli import flat, inspect, learn, plot, record, validate
+from capture.cli import fit, flat, inspect, learn, plot, record, validate
 from subsea.base.command_line import add_groups, make_parser, parse_arguments, run_command
 from subsea.base.registry import CAPTURE_COMMANDS, load_all
 
 GROUPS = "record and measure", "learn to swim", "use elsewhere"
 OWN = {
-    "flat": flat, "inspect": inspect, "learn": learn, "plot": plot, "record": record,
+    "fit": fit, "flat": flat, "inspect": inspect, "learn": learn, "plot": plot, "record": record,
     "validate": validate,
 }  # fmt: skip
 

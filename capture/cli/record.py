@@ -1,6 +1,7 @@
 """`subsea-capture record`: swim fishes and write their repertoires."""
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -64,19 +65,8 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
-    from tqdm import tqdm
-
-    from capture.recording.batch import (
-        dask_workers,
-        process_pool,
-        record_all,
-        repertoire_path,
-        serial,
-    )
-    from capture.recording.record import segments_of
-    from subsea.fish.species import load_species, shipped_species, species_names
-    from subsea.repertoire import read_repertoire
-    from subsea.repertoire.findings import FishMotion, complaints
+    from capture.recording.batch import dask_workers, process_pool, repertoire_path, serial
+    from subsea.fish.species import shipped_species, species_names
     from subsea.repertoire.schema import FORMAT
 
     known = species_names()
@@ -92,12 +82,33 @@ def run(options: argparse.Namespace) -> int:
     if not options.all and not options.species:
         raise UserError(f"name a species ({', '.join(known)}) or give --all")
     names = shipped_species() if options.all else list(dict.fromkeys(options.species))
-    folders = {name: options.out or _folder_of(name) for name in names}
+    folders = {name: options.out or folder_of(name) for name in names}
     for folder in dict.fromkeys(folders.values()):
         check_folder(folder)
     if options.out is not None:
         kind = hdf5_file("a repertoire", FORMAT)
         check_results([repertoire_path(options.out, name) for name in names], kind, options.force)
+    if options.cluster is not None:
+        workers = dask_workers(options.cluster, options.cluster_tls)
+    else:
+        workers = serial if options.jobs == 1 else process_pool(options.jobs)
+    record(folders, workers, options.progress, options.force)
+    return 0
+
+
+def record(folders: Mapping[str, Path], workers: Any, progress: bool, force: bool) -> None:
+    """Record species, by name, to folders with `workers`, show progress and print warnings.
+
+    A bar is shown on a terminal, with ``progress`` always.
+    """
+    from tqdm import tqdm
+
+    from capture.recording.batch import record_all, repertoire_path
+    from capture.recording.forms import segments_of
+    from subsea.fish.species import load_species
+    from subsea.repertoire import read_repertoire
+    from subsea.repertoire.findings import FishMotion, complaints
+
     bars: dict[str, Any] = {}
 
     def show(name: str, segments: int) -> None:
@@ -108,33 +119,30 @@ def run(options: argparse.Namespace) -> int:
                 position=len(bars),
                 unit="segment",
                 initial=segments,
-                disable=False if options.progress else None,
+                disable=False if progress else None,
             )
         bars[name].update(segments - bars[name].n)
 
-    if options.cluster is not None:
-        workers = dask_workers(options.cluster, options.cluster_tls)
-    else:
-        workers = serial if options.jobs == 1 else process_pool(options.jobs)
     try:
         with deferred_interrupts() as check:
-            recorded = record_all(folders, workers, check, show, options.force)
+            recorded = record_all(folders, workers, check, show, force)
     except KeyboardInterrupt:
         raise KeyboardInterrupt("run the same command to continue") from None
     finally:
         for bar in bars.values():
             bar.close()
-    for name in names:
-        path = repertoire_path(folders[name], name)
+    for name, folder in folders.items():
+        path = repertoire_path(folder, name)
         print(f"{path}{'' if name in recorded else ': up to date'}")
         repertoire = read_repertoire(path)
+        if repertoire.source == "boxfish":  # limits are those of a tail that beats
+            continue
         motion = FishMotion(repertoire.segments, repertoire.body_length_cm)
         for words in complaints(motion):
             print(f"  warning: {words}")
-    return 0
 
 
-def _folder_of(name: str) -> Path:
+def folder_of(name: str) -> Path:
     """The folder to record a species to; UserError for one of an installed package."""
     from subsea.fish.species import is_shipped, repertoire_folder
 

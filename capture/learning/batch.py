@@ -72,37 +72,47 @@ def learn_species(
             journal = journal_path(Path(scratch) / source.name if dry_run else target)
             task = LearningTask(source.stem, species, body, budget, seed, journal)
             plans[source.stem] = Plan(task, source, None if dry_run else target)
-        _prepare(plans, force)
-        bars = {
-            name: tqdm(
-                total=budget,
-                desc=name,
-                position=place,
-                unit="try",
-                disable=None,
-            )
-            for place, name in enumerate(plans)
-        }
-
-        def show(name: str, done: int) -> None:
-            bar = bars[name]
-            bar.total = max(bar.total or 0, done)
-            bar.update(done - bar.n)
-
-        def finish(name: str, learned: Learned) -> None:
-            for line in report(name, learned):
-                tqdm.write(line)
-
-        try:
-            with deferred_interrupts() as check:
-                found = learn_all(plans, process_pool(jobs), check, show, finish)
-        except KeyboardInterrupt:
-            why = "dry run: nothing is kept" if dry_run else "run the same command to continue"
-            raise KeyboardInterrupt(why) from None
-        finally:
-            for bar in bars.values():
-                bar.close()
+        found = learn_plans(plans, jobs, dry_run, force)
     return 0 if found else 1
+
+
+def learn_plans(
+    plans: Mapping[str, Plan], jobs: int, dry_run: bool, force: bool, progress: bool = False
+) -> bool:
+    """Learn species in ``jobs`` processes, show progress and report; True if all were found.
+
+    Bars are shown on a terminal, with ``progress`` always.
+    """
+    _prepare(plans, force)
+    bars = {
+        name: tqdm(
+            total=plan.task.budget,
+            desc=name,
+            position=place,
+            unit="try",
+            disable=False if progress else None,
+        )
+        for place, (name, plan) in enumerate(plans.items())
+    }
+
+    def show(name: str, done: int) -> None:
+        bar = bars[name]
+        bar.total = max(bar.total or 0, done)
+        bar.update(done - bar.n)
+
+    def finish(name: str, learned: Learned) -> None:
+        for line in report(name, learned):
+            tqdm.write(line)
+
+    try:
+        with deferred_interrupts() as check:
+            return learn_all(plans, process_pool(jobs), check, show, finish)
+    except KeyboardInterrupt:
+        why = "dry run: nothing is kept" if dry_run else "run the same command to continue"
+        raise KeyboardInterrupt(why) from None
+    finally:
+        for bar in bars.values():
+            bar.close()
 
 
 def _prepare(plans: Mapping[str, Plan], force: bool) -> None:

@@ -10,8 +10,7 @@ import numpy as np
 from capture.learning.swim import beat_at, beat_point
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan, SwimPlan
-from subsea.biomechanics.solver import STEP, longest_step
-from subsea.fish.surface import SurfacePlan, along
+from subsea.fish.scaffold import DENSITY, bearable, three_digits
 
 TICKS = {"fast": (12, 20), "medium": (20, 32), "slow": (26, 40), "burst": (10, 17)}
 """Range of the ticks of a beat in the search, for each grade."""
@@ -19,26 +18,10 @@ FIRST_TICKS = {"fast": 17, "medium": 26, "slow": 35, "burst": 14}  # where it st
 STIFFNESS, VISCOSITY = (20.0, 800.0), (0.1, 3.0)
 MASS_FACTOR = 2.0  # of a station's mass over that of the drawn fish around it, up or down
 MASS = (0.8, 1.2)  # g for each cm³ of the drawn fish, times DENSITY
-DENSITY = 1.05  # g/cm³
 WIDTH = (0.75, 1.5)  # factor of the half-widths, which are the muscles' levers
-MARGIN = 1.15  # of the longest stable step over the step
 SKIN_DRAG = (0.012, 0.032)  # coefficient of friction, with which the Strouhal number rises
 GAIT_SIZE, BODY_SIZE = 4, 13
 """Coordinates of a gait, and of a body, which follow it."""
-
-
-def outline_volumes(surface: SurfacePlan, plan: BodyPlan) -> Floats:
-    """Volumes (7,) of the drawn body nearest to each station, cm³.
-
-    Its sections are elliptic, without dorsal and ventral fins.
-    """
-    at = (np.arange(400) + 0.5) / 400
-    height = along(surface.back, at) - along(surface.belly, at)
-    area = np.pi / 2 * height * np.maximum(along(surface.width, at), 0.0)
-    stations = np.array(plan.stations) / plan.length
-    nearest = np.abs(at[:, None] - stations).argmin(axis=1)
-    slices = area * plan.length**3 / len(at)
-    return np.asarray(np.bincount(nearest, slices, len(stations)), np.float64)
 
 
 def species_point(plan: BodyPlan, swim: SwimPlan, volumes: Floats, firm: bool = False) -> Floats:
@@ -62,6 +45,15 @@ def species_point(plan: BodyPlan, swim: SwimPlan, volumes: Floats, firm: bool = 
     return np.clip(values, 0.0, 1.0)
 
 
+def at_mass(point: Floats, ratio: float) -> Floats:
+    """The point of a body that is ``ratio`` times as heavy and as stiff, of a fish's density."""
+    moved = point.copy()
+    moved[GAIT_SIZE : GAIT_SIZE + 3] += np.log(ratio) / np.log(STIFFNESS[1] / STIFFNESS[0])
+    moved[GAIT_SIZE + 3] += np.log(ratio) / np.log(VISCOSITY[1] / VISCOSITY[0])
+    moved[GAIT_SIZE + 4] = (1.0 - MASS[0]) / (MASS[1] - MASS[0])
+    return np.clip(moved, 0.0, 1.0)
+
+
 def gait_point(body: Body, swim: SwimPlan, grade: str, ticks: int | None = None) -> Floats:
     """The point (GAIT_SIZE,) of a grade in the unit box, clipped to it, of a beat of ``ticks``."""
     gait = swim.at(grade)
@@ -77,38 +69,21 @@ def body_at(base: BodyPlan, point: Floats, volumes: Floats) -> BodyPlan:
     weights = volumes / NODES_AT_STATION * [factors[0], *factors]
     total = DENSITY * volumes.sum() * (MASS[0] + float(point[4]) * (MASS[1] - MASS[0]))
     width = WIDTH[0] + float(point[11]) * (WIDTH[1] - WIDTH[0])
-    widths = tuple(_rounded(width * w) for w in base.half_widths)
+    widths = tuple(three_digits(width * w) for w in base.half_widths)
     shaped = msgspec.structs.replace(base, half_widths=widths, masses=tuple(base.masses))
     low, high = (0.99 * DENSITIES[1], 1.01 * DENSITIES[0])
     total = float(np.clip(total, high * shaped.hull_volume, low * shaped.hull_volume))
     weights *= total / float(weights @ NODES_AT_STATION)
     plan = msgspec.structs.replace(
         shaped,
-        masses=tuple(map(_rounded, weights)),
-        cross_stiffness=_rounded(cross),
-        muscle_stiffness=_rounded(muscle),
-        other_stiffness=_rounded(other),
-        viscosity=_rounded(_between(point[3], VISCOSITY)),
-        skin_drag=_rounded(SKIN_DRAG[0] + float(point[12]) * (SKIN_DRAG[1] - SKIN_DRAG[0])),
+        masses=tuple(map(three_digits, weights)),
+        cross_stiffness=three_digits(cross),
+        muscle_stiffness=three_digits(muscle),
+        other_stiffness=three_digits(other),
+        viscosity=three_digits(_between(point[3], VISCOSITY)),
+        skin_drag=three_digits(SKIN_DRAG[0] + float(point[12]) * (SKIN_DRAG[1] - SKIN_DRAG[0])),
     )
     return bearable(plan)
-
-
-def bearable(plan: BodyPlan) -> BodyPlan:
-    """The body with all stiffness and viscosity lowered until the time step has its MARGIN."""
-    for _ in range(8):
-        room = longest_step(build_body(plan))[0] / (MARGIN * STEP)
-        if room >= 1.0:
-            break
-        # A spring's limit falls with the root of its stiffness, a damper's with its viscosity.
-        plan = msgspec.structs.replace(
-            plan,
-            cross_stiffness=_rounded(plan.cross_stiffness * room**2 * 0.99),
-            muscle_stiffness=_rounded(plan.muscle_stiffness * room**2 * 0.99),
-            other_stiffness=_rounded(plan.other_stiffness * room**2 * 0.99),
-            viscosity=_rounded(plan.viscosity * room * 0.99),
-        )
-    return plan
 
 
 def gait_at(body: Body, base: SwimPlan, grade: str, point: Floats | tuple[float, ...]) -> SwimPlan:
@@ -133,8 +108,3 @@ def _share(value: float, limits: tuple[float, float]) -> float:
 def _between(share: float, limits: tuple[float, float]) -> float:
     low, high = limits
     return float(low * (high / low) ** share)
-
-
-def _rounded(value: float) -> float:
-    """Three digits, as species files have."""
-    return float(f"{value:.3g}")

@@ -21,7 +21,6 @@ from capture.learning.body_space import (
     body_at,
     gait_at,
     gait_point,
-    outline_volumes,
     species_point,
 )
 from capture.learning.fitness import disturbed_faults, steady_speed
@@ -34,6 +33,7 @@ from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
 from subsea.biomechanics.together import Course, swim_together
+from subsea.fish.scaffold import volumes_at
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
@@ -54,6 +54,7 @@ class LearningTask(NamedTuple):
     budget: int  # evaluations of the search for gaits
     seed: int
     journal: Path
+    quick: bool = False  # take the first body that passes, without a burst
 
 
 class Learned(NamedTuple):
@@ -80,9 +81,9 @@ def learn_whole(task: LearningTask) -> Learned:
 def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | None:
     muscles = task.species.muscles
     assert muscles
-    volumes = outline_volumes(task.species.surface, muscles.body)
+    volumes = volumes_at(task.species.surface, muscles.body.stations)
     size = GAIT_SIZE + BODY_SIZE if task.body else GAIT_SIZE
-    plain = _without_grades(muscles.swim)
+    plain = without_grades(muscles.swim)
 
     def at(point: Floats | tuple[float, ...]) -> tuple[BodyPlan, SwimPlan]:
         place = np.asarray(point)
@@ -112,11 +113,12 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
 
     tried = search(losses, start, "cma", budget, task.seed, spread=spread)
     best, least, searched = None, np.inf, 0
+    enough = 1 if task.quick else ENOUGH_SEARCHED
     for candidate in islice(distinct(tried), MAX_TRIED):
         plan, swim = at(candidate.point)
-        swim, others = _with_grades(build_body(plan), swim, task.seed, journal)
+        swim, others = _with_grades(build_body(plan), swim, task, journal)
         searched += np.isfinite(others)
-        if searched > (ENOUGH_SEARCHED if best else MAX_SEARCHED):
+        if searched > (enough if best else MAX_SEARCHED):
             break
         if candidate.loss + others >= least:
             continue
@@ -125,7 +127,7 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
     return best
 
 
-def _without_grades(swim: SwimPlan) -> SwimPlan:
+def without_grades(swim: SwimPlan) -> SwimPlan:
     """A plan of its fast gait alone, which the other grades begin with."""
     return SwimPlan(
         ticks_per_beat=swim.ticks_per_beat,
@@ -138,24 +140,33 @@ def _without_grades(swim: SwimPlan) -> SwimPlan:
     )
 
 
-def _with_grades(body: Body, swim: SwimPlan, seed: int, journal: Journal) -> tuple[SwimPlan, float]:
+def _with_grades(
+    body: Body, swim: SwimPlan, task: LearningTask, journal: Journal
+) -> tuple[SwimPlan, float]:
     """Search the gait of each other grade on a given body; return the plan and their losses."""
     try:
         fast, total = steady_speed(body, swim, "fast") / float(np.ptp(body.rest[:, 0])), 0.0
     except UserError:
         return swim, np.inf
     for grade, ticks in FIRST_TICKS.items():
-        if grade == "fast":
+        if grade == "fast" or (grade == "burst" and task.quick):
             continue
-        swim, loss = _with_grade(body, swim, grade, ticks, fast, seed, journal)
+        swim, loss = _with_grade(body, swim, grade, ticks, fast, task, journal)
         total += loss if grade != "burst" else 0.0  # a fish may lack it
     return swim, total
 
 
 def _with_grade(
-    body: Body, swim: SwimPlan, grade: str, ticks: int, fast: float, seed: int, journal: Journal
+    body: Body,
+    swim: SwimPlan,
+    grade: str,
+    ticks: int,
+    fast: float,
+    task: LearningTask,
+    journal: Journal,
 ) -> tuple[SwimPlan, float]:
     """Search the gait of a grade; of several searches the best that withstands disturbances."""
+    seed = task.seed
 
     def losses(points: Sequence[Floats]) -> list[float]:
         gaits = [gait_at(body, swim, grade, point) for point in points]
@@ -169,7 +180,7 @@ def _with_grade(
         plan = gait_at(body, swim, grade, best.point)
         weak = bool(_grade_faults(body, plan, grade, seed))
         found.append((weak, best.loss, attempt, plan))
-        if not weak and best.loss < GOOD:
+        if not weak and (task.quick or best.loss < GOOD):
             break
     _, least, _, plan = min(found)
     return plan, least

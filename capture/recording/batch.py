@@ -16,7 +16,8 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from capture.recording.fingerprint import fingerprint
-from capture.recording.record import Recorded, assemble, record_segment, segments_of
+from capture.recording.forms import assemble, record_segment, segments_of
+from capture.recording.record import Recorded
 from subsea.base.errors import UserError
 from subsea.fish.species import Species, load_species
 from subsea.jobs import workers

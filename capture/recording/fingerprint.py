@@ -19,6 +19,7 @@ from subsea.base.syntax import parse_source
 from subsea.fish.species import Species
 
 ROOT = "capture.recording.record"
+ROOTS = {"flatfish": "capture.recording.flatfish", "boxfish": "capture.recording.boxfish"}
 SKIPPED = (
     *("subsea.base", "subsea.jobs", "subsea.kernels", "subsea.fish.species"),
     "capture.recording.fingerprint",
@@ -33,12 +34,16 @@ BLOCKS = {tokenize.INDENT: "{", tokenize.DEDENT: "}"}
 IGNORED = (tokenize.COMMENT, tokenize.NL)
 
 
-def fingerprint(species: Species, root: str = ROOT) -> str:
+def fingerprint(species: Species, root: str | None = None) -> str:
     """Hash the plans of a species (what recording needs), its code and libraries.
 
-    The code is that of the module ``root`` and of all that this uses.
+    The code is that of the module ``root``, by default the one that records a fish of this form,
+    and of all that this uses.
     """
     plans = msgspec.to_builtins(species)
+    root = root or ROOTS.get(species.form, ROOT)
+    if species.form == "fish":  # as before there were others
+        del plans["form"]
     for key in UNRECORDED:
         del plans[key]
     libraries = {"numpy": np.__version__, "numba": numba.__version__}

@@ -15,6 +15,7 @@ from subsea.base.errors import UserError
 from subsea.base.system import is_path
 from subsea.export.fin_motion import FinPlayer
 from subsea.fish.color_sheet import sheet_of
+from subsea.fish.forms import couple_surface, lay
 from subsea.fish.mesh import (
     ABSENT,
     BODY,
@@ -25,7 +26,7 @@ from subsea.fish.mesh import (
     fish_mesh,
     species_vertices,
 )
-from subsea.fish.skinning import couple, place
+from subsea.fish.skinning import place
 from subsea.fish.species import Species, load_species, own_species, repertoire_file
 from subsea.fish.surface import CONTROL_POINTS, rest_control_points
 from subsea.frame.packet import (
@@ -164,8 +165,7 @@ def clips_of(
     size, snout = repertoire.body_length_cm, float(repertoire.rest_nodes[0, 0])
     model, surface = model_of(name, species, size, snout, detail)
     scale = model.length_cm / size
-    rest = rest_control_points(species.surface, size, snout)
-    coupling = couple(species.surface.coupling, repertoire.rest_nodes, rest)
+    coupling = couple_surface(species.form, species.surface, size, repertoire.rest_nodes)
     fins = FinPlayer(species, repertoire, scale)
     clips = []
     for segment in repertoire.recorded_names():
@@ -202,7 +202,9 @@ def model_of(
     """
     length = float(np.mean(species.size_cm))
     surface = Surface(species, recorded_cm, detail)
-    points, normals = surface.at(rest_control_points(species.surface, recorded_cm, snout_cm)[None])
+    rest = rest_control_points(species.surface, recorded_cm, snout_cm)
+    rest = lay(rest) if species.form == "flatfish" else rest
+    points, normals = surface.at(rest[None])
     triangles, body = _facing(surface.triangles, surface.body, points[0], normals[0])
     model = Model(
         name=name,

@@ -22,6 +22,7 @@ from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.rowing import RowPlan
 from subsea.biomechanics.solver import check_step
 from subsea.fish.character import CharacterPlan
+from subsea.fish.forms import Form
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import Curve, Extent, Share, SurfacePlan, along
 
@@ -177,6 +178,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     name: str
     scientific_name: str
     kind: Literal["pacifist", "prey", "predator"]
+    form: Form = "fish"  # how its body swims
     schooling: bool
     size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
     pace: Annotated[float, msgspec.Meta(ge=0.25, le=4)] = (
@@ -216,6 +218,10 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
                 raise ValueError(f"[body] {key}: expected numbers of at least {LEAST_SIZE:g}")
         if self.life.territory_cm and not self.home_cm:
             raise ValueError("[life] territory_cm needs home_cm: a territory is about a home")
+        if self.form != "fish" and not self.muscles:
+            raise ValueError(f'form = "{self.form}" needs the tables [body], [swim] and [turn]')
+        if self.form == "boxfish" and not self.row:
+            raise ValueError('form = "boxfish" needs [row]: its pectoral fins drive it')
         if self.row and not (self.muscles and self.surface.pectoral):
             raise ValueError("[row] needs muscles and [surface] pectoral")
         if self.spine and self.spine.wings and not self.surface.wing:

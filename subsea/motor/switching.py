@@ -86,7 +86,7 @@ def make_dynamics(
     every = [motion for row in motions for motion in row.values()] + _bends(library)
     return Dynamics(
         make_bodies(species, library),
-        np.array([kind.muscles is not None for kind in species]),
+        np.array([kind.muscles is not None and kind.form == "fish" for kind in species]),
         Kinematics(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
         np.array([[_usual(row, name) for name in SEGMENTS] for row in motions]),
         reach_cm,

@@ -27,6 +27,7 @@ from subsea.biomechanics.fins import contraction_step, headings, sweep
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STRAIN_LIMITS, longest_step
 from subsea.biomechanics.trial import grade_contraction, steady_beat
+from subsea.fish.scaffold import OUTSIDE
 from subsea.fish.species import Species, UnstableSpecies
 from subsea.fish.surface import SurfacePlan, along
 from subsea.repertoire.findings import (
@@ -43,7 +44,6 @@ GOOD, WARNING, FAULT = Severity
 AFLOAT = (0.7, 1.4)  # mass over mass of the displaced water
 NEUTRAL = 0.1  # deviation of this from 1 that counts as neutrally buoyant
 LEAST_STEP = 5  # percent by which the longest stable step exceeds that of the simulation
-OUTSIDE = (1.05, 1.05, 1.05, 1.3, 1.8)  # usual height of rings over that of the outline
 REAR = 0.02  # body lengths from the fins back to the centre of mass
 BEATS = 40  # of a test swim
 SWEEP = (0.12, 0.3)  # of the tail, body lengths

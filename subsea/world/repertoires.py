@@ -10,9 +10,9 @@ import numpy as np
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
 from subsea.base.files import file_hash
-from subsea.fish.skinning import Coupling, couple
+from subsea.fish.forms import couple_surface
+from subsea.fish.skinning import Coupling
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
-from subsea.fish.surface import rest_control_points
 from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import Repertoire
 from subsea.repertoire.library import LIVE_TABLES, Library, pack
@@ -60,9 +60,8 @@ def with_live(library: Library, live: int) -> Library:
 
 def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
     """Couple the surface of a species to the nodes that its repertoire records."""
-    nodes = repertoire.rest_nodes
-    rest = rest_control_points(species.surface, repertoire.body_length_cm, nodes[0, 0])
-    return couple(species.surface.coupling, nodes, rest)
+    length, nodes = repertoire.body_length_cm, repertoire.rest_nodes
+    return couple_surface(species.form, species.surface, length, nodes)
 
 
 def file_version(path: Path) -> tuple[int, int] | None:

@@ -85,6 +85,7 @@ NOT_TYPED = {
     "subsea sweep peaceful --seeds 1:4 --csv --out sweep --cluster": "tests/jobs has a scheduler",
     "dask scheduler --protocol tls": "the same",
     "dask worker tls://HOST:8786": "the same",
+    "subsea-capture fit": "it takes minutes; tests/capture/learning/test_fit.py runs it",
     "subsea-capture learn --body": "it takes minutes to an hour; tests/capture/learning runs it",
 }
 # Replacements of words in capitals. Later ones are for what is left by those before.

@@ -91,7 +91,11 @@ SEA, SHOAL = "peaceful", "fish.1"  # the shoal that a new species replaces in it
 TRIES = 300  # of a search for controllers, the default of the command
 FEWEST, MOST = 20, 3000
 USER_FAULT = 2  # exit code after a one-line error of the user
-JOBS_HELP = "Learn finds how to use its muscles. Record takes down its motion, for scenarios."
+JOBS_HELP = (
+    "Fit body sets rings, masses and gaits by the outline. Learn finds better muscle movements. "
+    "Record takes down its motion, for scenarios."
+)
+DOING = {"fit": "fitting…", "learn": "learning…", "record": "recording…"}
 
 
 class CaptureJobs:
@@ -121,7 +125,11 @@ class CaptureJobs:
         if self._process is None:
             return ""
         kind, _, process = self._process
-        return process.doing or {"learn": "learning…", "record": "recording…"}[kind]
+        return process.doing or DOING[kind]
+
+    def fit(self, path: Path) -> None:
+        """Fit scaffold, gaits and turns of a species file to its outline, and write them."""
+        self._begin("fit", path.stem, [str(path), "--progress"])
 
     def learn(self, path: Path) -> None:
         """Search for better controllers of a species file, and write them into it."""
@@ -179,8 +187,16 @@ def recorded(key: str) -> bool:
 def _describe_end(kind: str, key: str, process: CommandProcess, code: int) -> str:
     """Describe in a sentence how a command ended."""
     if process.stopped:
-        kept = {"learn": "the file is as it was", "record": "Record goes on where it stopped"}
+        kept = {
+            "fit": "the file is as it was, and Fit body goes on where it stopped",
+            "learn": "the file is as it was",
+            "record": "Record goes on where it stopped",
+        }
         return f"Stopped; {kept[kind]}."
+    if code == 0 and kind == "fit":
+        return "Scaffold, gaits and turns fit the outline now. Record takes them up."
+    if code == 1 and kind == "fit":
+        return "No gait was found for this outline; the file is as it was."
     if code == 0 and kind == "learn":
         return "Better controllers were found and are in the file now. Record takes them up."
     if code == 0 and "warning: " in process.last:

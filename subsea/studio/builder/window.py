@@ -45,6 +45,7 @@ VIEWS_WIDTH, SIDE_HEIGHT = 0.62, 0.54  # shares of the window
 PREVIEW_HEIGHT = 0.36
 JOBS_HEIGHT = 5.2  # text heights
 FRAME_S = 1 / 40  # while the fish swims
+LEARNED = {"fit": ("body", "swim", "turn"), "learn": ("swim", "turn")}  # tables that a job writes
 NUDGE = 0.002  # body lengths by which an arrow key moves a point
 ARROWS = {
     imgui.Key.left_arrow: (-1, 0), imgui.Key.right_arrow: (1, 0),
@@ -263,6 +264,7 @@ class FishBuilder:
 
         muscular = bool(self.editing.present.species.muscles)
         return {
+            "Fit body": partial(start, self._fit) if muscular else None,
             "Learn": partial(start, self._learn) if muscular else None,
             "Record": partial(start, self._record),
         }
@@ -270,6 +272,10 @@ class FishBuilder:
     def _save_then(self, act: Callable[[], object]) -> None:
         if self.save():
             act()
+
+    def _fit(self) -> None:
+        assert self.path
+        self.jobs.fit(self.path)
 
     def _learn(self) -> None:
         assert self.path
@@ -286,13 +292,13 @@ class FishBuilder:
         """Take the result of a job that has ended: its kind and its exit code."""
         self.recorded = is_known(self.path) and recorded(self._key)
         self.window.show_message(self.jobs.message, error=code not in (0, 130))
-        if kind == "learn" and code == 0:
+        if kind in LEARNED and code == 0:
             assert self.path and self._file
             found = read_draft(self.path)
-            values: dict[KeyPath, Any] = {(key,): found.content[key] for key in ("swim", "turn")}
+            values: dict[KeyPath, Any] = {(key,): found.content[key] for key in LEARNED[kind]}
             self.editing.do(lambda draft: with_values(draft, values))
             if to_toml(with_values(self._file, values)) == found.text:
-                self._file = found  # only controllers have changed there
+                self._file = found  # nothing else has changed there
             if self.editing.present.content == found.content:
                 self.history.saved()
 

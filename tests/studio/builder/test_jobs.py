@@ -75,6 +75,14 @@ def test_a_warning_of_recording_is_passed_on():
     assert message == "red_fish is recorded, with a warning. The medium swim turns by -9.6° a beat."
 
 
+def test_the_ends_of_a_fit_are_told_in_sentences():
+    ended = SimpleNamespace(stopped=False, last="")
+    assert "fit the outline now" in _describe_end("fit", "red_fish", ended, 0)
+    assert "as it was" in _describe_end("fit", "red_fish", ended, 1)
+    ended.stopped = True
+    assert "goes on where it stopped" in _describe_end("fit", "red_fish", ended, 130)
+
+
 def test_lines_and_progress_bars_are_distinguished():
     process = CommandProcess(["capture", "--help"])
     process.close()

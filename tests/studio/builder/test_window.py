@@ -299,6 +299,10 @@ def test_learned_controllers_are_put_into_the_draft(window, user, spots):
     builder.take_job("learn", 0)
     assert species(window).swim.lag == 1.21 and not species(window).schooling
     assert builder.history.unsaved and load_species("red_snapper").swim == species(window).swim
+    # A fit writes the body too.
+    write_plans(path, path, body=structs.replace(found.body, viscosity=0.3))
+    builder.take_job("fit", 0)
+    assert species(window).body.viscosity == 0.3 and not species(window).schooling
     assert window.save() and not window.asking
 
 
