@@ -92,7 +92,7 @@ def test_a_picture_on_its_side_is_drawn_with_its_own_sides(written):
     ("keys", "said"),
     [
         ("corners_px = { upper_left = [300, 150], lower_right = [-300, 0] }",
-         r"line \d+.*channel 'left': `corners_px`: the moved corners cross, expected a convex"),
+         r"toml:10: channel 'left': `corners_px`: the moved corners cross, expected a convex"),
         ("points_px = [[[0, 0], [0, 0]], [[0, 0]]]", r"at least 2"),
         ("points_px = [[[0, 0], [0, 0], [0, 0]], [[0, 0], [0, 0]]]",
          "`points_px`: its rows have different lengths"),
