@@ -31,8 +31,8 @@ async function work() {
       const { ok, status, said } = await send("/api/commands", content);
       if (status === 401) return void (location.href = "/");
       complain(ok ? "" : said.error);
+      await look();
     }
-    await look();
   } catch {
     [waiting, moved] = [[], [0, 0]];
     complain(say("No connection to the dive; trying again"));
