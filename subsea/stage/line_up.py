@@ -106,7 +106,9 @@ class TheatreLineUp:
         self._show(dive, state)
 
     def listen(self, dive: "Dive") -> None:
-        """Let the keys of this computer's windows line the projectors up."""
+        """Let the keys of this computer's windows line the projectors up; visitors have none."""
+        if dive.kiosk:
+            return
         for window in dive.window_set.windows:
             window.take_key = lambda key, modifiers: self._key(dive, key, modifiers)
 

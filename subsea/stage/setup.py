@@ -22,7 +22,7 @@ from subsea.sound.space import Layout, loudspeakers
 from subsea.stage.cluster.link import cluster_faults
 from subsea.stage.cluster.messages import HASH
 from subsea.stage.cluster.ticks import tick_source_maker
-from subsea.stage.theatre.adjusting import in_larger_pixels
+from subsea.stage.theatre.adjusting import in_larger_pixels, patch_adjustment
 from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
 from subsea.stage.theatre.imported import ImportedTheatre
 from subsea.stage.theatre.load import load_theatre
@@ -285,6 +285,8 @@ def _words(one: ProjectorChannel) -> str:
         parts.append(f"warped by {describe_warp(one.warp)}")
     if one.mask is not None:
         parts.append("blended")
+    if patch_adjustment(one.adjustment, one.size) is not None:
+        parts.append("adjusted")
     return ", ".join(parts)
 
 

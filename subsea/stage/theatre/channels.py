@@ -62,6 +62,7 @@ class ProjectorChannel:
     surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
     warp: Warp | None = None  # from the picture to the screen
     own_mask: Array | None = None  # (h, w, 4) of its files, as `rig.DisplayPatch` has it
+    own_gamma: float | None = None  # the gamma that it was made for; None: it is for any
     mask: Array | None = None  # with the blend
     blend: bool = False
     eye: str | None = None  # "left" or "right" of a projector for one eye
@@ -216,7 +217,8 @@ def _mpcdi_channel(
         warp = cropped(warp or identity(), region.place)
     patch_adjustment(adjustment, upright(adjustment, place[2:]))  # raises a UserError if it folds
     lighted = replace(lighted, adjustment=adjustment, warp=warp, key=key)
-    return replace(lighted, own_mask=calibrated_mask(region, adjustment.gamma, lighted.size))
+    own_mask = calibrated_mask(region, adjustment.gamma, lighted.size)
+    return replace(lighted, own_mask=own_mask, own_gamma=adjustment.gamma)
 
 
 def _screen_distance(theatre: theatre_file.Theatre, archive: theatre_file.Archive) -> float | None:
@@ -270,7 +272,7 @@ def blended(channels: Sequence[ProjectorChannel]) -> tuple[ProjectorChannel, ...
             lamps[k] = Projector(one.screen, light.gamma, light.black, light.blend_width)
     found = []
     for k, channel in enumerate(channels):
-        mask = channel.own_mask
+        mask = _own_mask(channel)
         if k in lamps and len(lamps) > 1:
             mask = _blend(channel, list(lamps.values()), list(lamps).index(k))
         found.append(replace(channel, mask=mask))
@@ -288,9 +290,20 @@ def _blend(channel: ProjectorChannel, lamps: Sequence["Projector"], number: int)
         drawn = np.stack([rasterized(channel.warp, column, size) for column in columns], axis=2)
         places = continued(drawn[..., :2], drawn[..., 2] > 0).reshape(-1, 2).clip(0.0, 1.0)
     mask = blend_mask(lamps, number, places).reshape(size[1], size[0], 4)
-    if channel.own_mask is not None:  # the mesh's own brightness
-        mask = mask * _resized(channel.own_mask, size)
+    own_mask = _own_mask(channel)
+    if own_mask is not None:  # the mesh's own brightness
+        mask = mask * _resized(own_mask, size)
     return np.asarray(mask.astype(np.float32))
+
+
+def _own_mask(channel: ProjectorChannel) -> Array | None:
+    """The mask (h, w, 4) of a channel's files, for the gamma that the channel has now."""
+    mask, gamma = channel.own_mask, channel.adjustment.gamma
+    if mask is None or channel.own_gamma in (None, gamma):
+        return mask
+    lit = np.array(mask)
+    lit[..., :3] **= (channel.own_gamma or gamma) / gamma
+    return lit
 
 
 def _resized(mask: Array, size: tuple[int, int]) -> Array:

@@ -43,7 +43,7 @@ def line_up_marks(
 
 def _grid_lines(columns: int, rows: int) -> list[Array]:
     """Places (n, 2) along each line of a grid, in small steps."""
-    lines = []
+    lines: list[Array] = []
     for count, steps, order in ((rows, columns, 1), (columns, rows, -1)):
         along = np.linspace(0.0, 1.0, STEPS * (steps - 1) + 1)
         lines += [
