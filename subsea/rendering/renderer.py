@@ -22,6 +22,7 @@ from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.gl.static_batch import LazyMesh, StaticMesh, box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
+from subsea.rendering.output.overlay import OverlayRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of, water_of
@@ -148,6 +149,7 @@ class Renderer(GpuOwner):
         self._lines = self.own(LineRenderer(context))
         self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth, scene.grade))
         self.vessel = self.own(TheatreVesselRenderer(context))
+        self.overlay = self.own(OverlayRenderer(context))
         self._sized = self.own(GpuOwner())  # released when the size changes
         # Made when first needed.
         self._ids: IdBuffer | None = None
@@ -306,6 +308,7 @@ class Renderer(GpuOwner):
                 self.triangles += self._particles.draw(packet, number, uniforms)
                 self.triangles += self._lines.draw(packet, number, view, uniforms)
             self.vessel.draw(self.rig, number, np.array(self._scene.water.far), unit)
+            self.overlay.draw(self.rig, number, unit)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         with stage("output"):
