@@ -1,4 +1,4 @@
-"""A fisheye picture over the sea: where it lies in a dome and on a flat screen, and how it fades."""
+"""A fisheye picture over the sea: its place in a dome and on a flat screen, and how it fades."""
 
 import numpy as np
 import pytest
