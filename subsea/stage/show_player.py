@@ -220,7 +220,9 @@ class ShowPlayer:
         self.shown: int | None = None  # the item whose sea is on the screens
         self.shade = 1.0  # of the screens
         self._cue, self._loaded = False, False
-        self._wanted: tuple[int, float] | None = None  # an item, and the second in it
+        # An item, and the second in it: that of a presenter, and that of a timecode.
+        self._wanted: tuple[int, float] | None = None
+        self._chased: tuple[int, float] | None = None
         self._timecode: tuple[int | None, int] = None, 0  # the last item by timecode; its jumps
         self._caption_s = 0.0  # since the shown item became visible
 
@@ -244,7 +246,7 @@ class ShowPlayer:
         place = show_file.place_at(self.show, time_s, day)
         item = None if place is None else place[0]
         if place is not None and ((item, jumps) != self._timecode or item == self.progress.item):
-            self.go_to(*place)
+            self._chased = place
         self._timecode = item, jumps
 
     def take(self, show: show_file.Show) -> None:
@@ -329,14 +331,14 @@ class ShowPlayer:
             self._tell("the show opens")
         elif self.open:
             self.progress = show_file.advance(self.show, before, now, elapsed_s, cue)
-            if self._wanted is not None:
-                item, since_s = self._wanted
+            if (wanted := self._wanted or (None if cue else self._chased)) is not None:
+                item, since_s = wanted
                 self.progress = msgspec.structs.replace(self.progress, item=item, elapsed_s=since_s)
         else:
             self.progress = msgspec.structs.replace(before, seen=now.local, utc_s=now.utc_s)
             if was_open:
                 self._tell(f"the show closes; {self._next_opening(now)}")
-        self._wanted = None
+        self._wanted = self._chased = None
         self._fade(elapsed_s, held)
 
     def show_item(self, item: int) -> None:

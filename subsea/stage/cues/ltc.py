@@ -15,7 +15,7 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.sound.device import open_capture
 from subsea.sound.space import RATE
-from subsea.stage.cues.timecode import Label
+from subsea.stage.cues.timecode import FrameLabel
 
 SYNC = 0b1011111111111100  # the last 16 bits, the first of them lowest
 BITS = 80
@@ -41,7 +41,7 @@ class LtcDecoder:
         self._bits = 0  # the last 80, the newest highest
         self._count = 0  # of bits since the last fault
 
-    def decode(self, samples: Array) -> list[Label]:
+    def decode(self, samples: Array) -> list[FrameLabel]:
         """Take samples (n,); returns the labels of frames that end in them."""
         samples = np.asarray(samples, np.float64)
         if not len(samples):
@@ -78,7 +78,7 @@ class LtcDecoder:
         self._since = len(samples) - int(changes[-1])
         return intervals
 
-    def _take(self, interval: int) -> Label | None:
+    def _take(self, interval: int) -> FrameLabel | None:
         """Take the time between two changes: a 0, or half of a 1."""
         long = interval > 0.75 * self._bit
         size = interval if long else 2 * interval
@@ -94,7 +94,7 @@ class LtcDecoder:
         self._half = not self._half
         return None if self._half else self._add(1)
 
-    def _add(self, bit: int) -> Label | None:
+    def _add(self, bit: int) -> FrameLabel | None:
         self._bits = self._bits >> 1 | bit << (BITS - 1)
         self._count += 1
         if self._count < BITS or self._bits >> 64 != SYNC:
@@ -103,7 +103,7 @@ class LtcDecoder:
         return label_of(self._bits)
 
 
-def label_of(bits: int) -> Label | None:
+def label_of(bits: int) -> FrameLabel | None:
     """Read the label of a frame's 80 bits, the first of them lowest; None if no clock shows it."""
     parts = []
     for unit, size, ten, tens in DIGITS:
@@ -111,7 +111,7 @@ def label_of(bits: int) -> Label | None:
         if low > 9:
             return None
         parts.append(10 * high + low)
-    label = Label(*parts)
+    label = FrameLabel(*parts)
     sane = label.hours < 24 and label.minutes < 60 and label.seconds < 60 and label.frames < 30
     return label if sane else None
 
@@ -123,7 +123,9 @@ Open = Callable[[str, Generator[None, bytes, None]], Any]
 class LtcInput:
     """Labels from a sound device, which a thread opens and watches."""
 
-    def __init__(self, name: str, hear: Callable[[Label], object], open_one: Open = open_capture):
+    def __init__(
+        self, name: str, hear: Callable[[FrameLabel], object], open_one: Open = open_capture
+    ):
         """`name` is a part of the device's; `hear` gets each label in a thread of the device."""
         self._name, self._hear, self._open = name, hear, open_one
         self._lines: SimpleQueue[str] = SimpleQueue()

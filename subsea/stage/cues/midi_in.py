@@ -11,7 +11,7 @@ from typing import Any
 
 import mido
 
-from subsea.stage.cues.timecode import RATES, Label, Rate
+from subsea.stage.cues.timecode import RATES, FrameLabel, Rate
 
 AGAIN_S = 3.0  # between two looks for the device
 MTC_RATES: tuple[Rate, ...] = ("24", "25", "29.97", "30")
@@ -27,7 +27,7 @@ class MtcReader:
         """Start without pieces."""
         self._pieces: list[int] = []
 
-    def take(self, message: Any) -> tuple[Label, Rate, float] | None:
+    def take(self, message: Any) -> tuple[FrameLabel, Rate, float] | None:
         """Take a message; returns a label, its rate and by how many frames it is late, or None."""
         if message.type == "sysex":
             return self._whole(tuple(message.data))
@@ -44,7 +44,7 @@ class MtcReader:
         self._pieces = []
         return _label(hours, minutes, seconds, frames, LATE_FRAMES)
 
-    def _whole(self, data: tuple[int, ...]) -> tuple[Label, Rate, float] | None:
+    def _whole(self, data: tuple[int, ...]) -> tuple[FrameLabel, Rate, float] | None:
         """Read a full label, as a player sends when it is put somewhere."""
         self._pieces = []
         if len(data) != 8 or (data[0], data[2], data[3]) != FULL:
@@ -54,9 +54,9 @@ class MtcReader:
 
 def _label(
     hours: int, minutes: int, seconds: int, frames: int, late: float
-) -> tuple[Label, Rate, float] | None:
+) -> tuple[FrameLabel, Rate, float] | None:
     rate = MTC_RATES[hours >> 5 & 3]
-    label = Label(hours & 31, minutes & 63, seconds & 63, frames & 31)
+    label = FrameLabel(hours & 31, minutes & 63, seconds & 63, frames & 31)
     sane = label.hours < 24 and label.minutes < 60 and label.seconds < 60
     return (label, rate, late) if sane and label.frames < round(RATES[rate]) else None
 

@@ -20,7 +20,7 @@ DAY_S = 86400.0
 _LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)[:;.](\d\d)")
 
 
-class Label(NamedTuple):
+class FrameLabel(NamedTuple):
     """A label of a frame."""
 
     hours: int
@@ -33,16 +33,16 @@ class Label(NamedTuple):
         return ":".join(f"{part:02d}" for part in self)
 
 
-def parsed_label(text: str) -> Label:
+def parsed_label(text: str) -> FrameLabel:
     """Read a label such as ``01:00:00:00``; a ValueError for anything else."""
     found = _LABEL.fullmatch(text.strip())
-    label = Label(*map(int, found.groups())) if found else Label(24, 0, 0, 0)
+    label = FrameLabel(*map(int, found.groups())) if found else FrameLabel(24, 0, 0, 0)
     if label.hours > 23 or label.frames > 29:
         raise ValueError(f"{text!r}: expected a timecode such as 01:00:00:00")
     return label
 
 
-def seconds_of(label: Label, rate: Rate) -> float:
+def seconds_of(label: FrameLabel, rate: Rate) -> float:
     """Compute the seconds from 00:00:00:00 to a label.
 
     Of 29.97 frames a second, labels 0 and 1 of each minute are left out but of each tenth one, so

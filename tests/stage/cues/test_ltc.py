@@ -1,12 +1,15 @@
 """Linear timecode out of samples: any rate and loudness, noise, joins, faults."""
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.cues.ltc import LtcDecoder
-from subsea.stage.cues.timecode import Label
+from subsea.stage.cues import ltc
+from subsea.stage.cues.ltc import LtcDecoder, LtcInput
+from subsea.stage.cues.timecode import FrameLabel
 
 RATE = 48000
 
@@ -43,7 +46,7 @@ def signal(labels, fps=25.0, rate=RATE, loud=0.5):
 
 
 def run_of(count, first=0):
-    return [Label(10, 20, 30 + k // 25, k % 25) for k in range(first, first + count)]
+    return [FrameLabel(10, 20, 30 + k // 25, k % 25) for k in range(first, first + count)]
 
 
 @pytest.mark.parametrize(
@@ -94,3 +97,39 @@ def test_any_bits_are_survived(bits, rest):
         samples[edge:] *= -1.0
     for label in LtcDecoder(RATE).decode(samples):
         assert label.hours < 24 and label.frames < 30
+
+
+def test_a_device_that_is_missing_comes_and_goes(monkeypatch):
+    monkeypatch.setattr(ltc, "AGAIN_S", 0.02)
+    monkeypatch.setattr(ltc, "SILENT_S", 0.3)
+    opened, heard = [], []
+
+    class Device:
+        closed = False
+
+        def close(self):
+            self.closed = True
+
+    def open_one(name, samples):
+        if not opened:
+            opened.append(None)
+            raise OSError(f"no sound device {name!r} to hear (there: none)")
+        opened.append(Device())
+        for part in np.array_split(signal(run_of(5)).astype(np.float32), 7):
+            samples.send(part.tobytes())
+        return opened[-1]
+
+    source, lines, end = LtcInput("line", heard.append, open_one), [], time.monotonic() + 20.0
+    while len(lines) < 4:
+        assert time.monotonic() < end
+        lines += [line] if (line := source.check()) else []
+        time.sleep(0.01)
+    source.close()
+    assert lines == [
+        "timecode: no sound device 'line' to hear (there: none); it may come",
+        "timecode: a sound device is heard",
+        "timecode: the sound device is gone; the show goes on",
+        "timecode: a sound device is heard",
+    ]
+    assert heard[:5] == run_of(5)
+    assert all(device.closed for device in opened[1:])

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from subsea.stage.cues.timecode import (
     LOCK_S,
     RATES,
-    Label,
+    FrameLabel,
     TimecodeFollower,
     parsed_label,
     seconds_of,
@@ -32,8 +32,8 @@ def running():
 
 
 def test_labels_are_seconds_of_the_clock():
-    assert seconds_of(Label(1, 0, 0, 12), "24") == 3600.5
-    assert seconds_of(Label(0, 0, 10, 5), "25") == pytest.approx(10.2)
+    assert seconds_of(FrameLabel(1, 0, 0, 12), "24") == 3600.5
+    assert seconds_of(FrameLabel(0, 0, 10, 5), "25") == pytest.approx(10.2)
     assert str(parsed_label("01:02:03:04")) == "01:02:03:04"
     assert parsed_label("01:02:03;04") == (1, 2, 3, 4)
     for wrong in ("1:2:3:4", "24:00:00:00", "01:60:00:00", "01:00:00:30", "10:30", "aa:bb:cc:dd"):
@@ -43,14 +43,18 @@ def test_labels_are_seconds_of_the_clock():
 
 def test_dropped_labels_keep_to_the_clock():
     """SMPTE ST 12-1: a day of 29.97 has 2,589,408 frames, 86.4 ms short of the clock's day."""
-    last = Label(23, 59, 59, 29)
+    last = FrameLabel(23, 59, 59, 29)
     assert seconds_of(last, "29.97") * RATES["29.97"] == pytest.approx(2_589_407)
     assert abs(seconds_of(last, "29.97") + 1 / RATES["29.97"] - 86400.0) == pytest.approx(
         0.0864, abs=1e-4
     )
-    after = seconds_of(Label(0, 1, 0, 2), "29.97") - seconds_of(Label(0, 0, 59, 29), "29.97")
+    after = seconds_of(FrameLabel(0, 1, 0, 2), "29.97") - seconds_of(
+        FrameLabel(0, 0, 59, 29), "29.97"
+    )
     assert after == pytest.approx(1.0 / RATES["29.97"])
-    ten = seconds_of(Label(0, 10, 0, 0), "29.97") - seconds_of(Label(0, 9, 59, 29), "29.97")
+    ten = seconds_of(FrameLabel(0, 10, 0, 0), "29.97") - seconds_of(
+        FrameLabel(0, 9, 59, 29), "29.97"
+    )
     assert ten == pytest.approx(1.0 / RATES["29.97"])
 
 
