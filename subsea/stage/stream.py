@@ -1,24 +1,21 @@
-"""Send what a window shows as a live stream: H.264 in MPEG-TS by SRT, RTP or UDP.
+"""Send what a window shows as a live stream: H.264 in an MPEG transport stream by RTP or UDP.
 
 The dive leaves its latest picture; a thread encodes it at the stream's own rate and sends it. So
-neither a receiver that is slow or gone nor the encoder holds the picture up.
+neither the network nor the encoder holds the picture up. Nothing listens here.
 """
 
 import ipaddress
 import time
 from argparse import ArgumentParser, Namespace
-from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING, Any
-from urllib.parse import parse_qs, urlencode, urlsplit
+from typing import TYPE_CHECKING, Any, NamedTuple
+from urllib.parse import urlsplit
 
 import numpy as np
 
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, unknown
-from subsea.base.files import read_text, refuse_shared
 from subsea.base.progress import say
 from subsea.dive import arguments as shared
 from subsea.dive.part import DivePart
@@ -28,87 +25,43 @@ if TYPE_CHECKING:
     from subsea.stage.small_picture import SmallPicture
     from subsea.ui.dive import Dive
 
-FORMATS = {"srt": "mpegts", "rtp": "rtp_mpegts", "udp": "mpegts"}
+FORMATS = {"rtp": "rtp_mpegts", "udp": "mpegts"}  # of FFmpeg, by scheme
 FPS = 30
 WIDTH = 1280  # of the stream at most, pixels
 BITS = 0.1  # of a pixel in a picture
 AGAIN_S = 2.0  # between two attempts to send
-WAIT_US = 1_000_000  # for a receiver, or for one that takes nothing
-LATENCY_MS = 120  # of SRT, in which lost packets are sent again
-SHORTEST, LONGEST = 10, 79  # letters of a passphrase of SRT
+PACKET = 1316  # bytes: seven packets of a transport stream, as receivers expect
 TTL = 4  # networks that a multicast packet may pass
-QUERY = ("mode", "latency", "ttl")
 
 
-@dataclass(frozen=True)
-class StreamOptions:
+class StreamOptions(NamedTuple):
     """Where a stream goes, and what of."""
 
     url: str  # checked
     window: str | None = None  # of a theatre; None: the front one
     width: int = WIDTH
     fps: int = FPS
-    passphrase: str = ""
 
     @property
     def scheme(self) -> str:
-        """The protocol: srt, rtp or udp."""
+        """The protocol: rtp or udp."""
         return urlsplit(self.url).scheme
 
-    @property
-    def listens(self) -> bool:
-        """True if receivers call, which only SRT knows."""
-        return _listens(self.url)
 
-
-def stream_options(
-    url: str, passphrase_file: Path | None = None, window: str | None = None, width: int = WIDTH
-) -> StreamOptions:
-    """Check the place of a stream; a UserError for one that is unsafe or does not exist.
-
-    Receivers of other computers may call only with a passphrase.
-    """
-    option = f"--stream {url}"
-    parts, ip = _parts(url)
-    query = parse_qs(parts.query)
-    if odd := [key for key in query if key not in QUERY]:
-        hint = "; give it in --stream-passphrase FILE" if "passphrase" in odd else ""
-        raise UserError(f"{option}: {odd[0]!r} after the ?, expected {', '.join(QUERY)}{hint}")
-    passphrase = ""
-    if passphrase_file is not None:
-        if parts.scheme != "srt":
-            raise UserError(f"{option}: only srt:// has passphrases")
-        passphrase = read_text(passphrase_file).strip()
-        refuse_shared(passphrase_file)
-        if not SHORTEST <= len(passphrase) <= LONGEST or not passphrase.isascii():
-            what = f"expected a passphrase of {SHORTEST} to {LONGEST} letters and digits"
-            raise UserError(what, file=passphrase_file)
-    if _listens(url) and not ip.is_loopback and not passphrase:
-        raise UserError(
-            f"{option}: other computers may call it: expected --stream-passphrase FILE, or an "
-            "address of this computer, such as srt://127.0.0.1:9000?mode=listener"
-        )
-    return StreamOptions(url, window, width, FPS, passphrase)
-
-
-def _parts(url: str) -> tuple[Any, Any]:
-    """The parts of the URL of a stream, and its IP address; a UserError for anything else."""
+def stream_options(url: str, window: str | None = None, width: int = WIDTH) -> StreamOptions:
+    """Check the place of a stream; a UserError for anything else than an address and a port."""
     parts = urlsplit(url)
     try:
         if parts.scheme not in FORMATS or parts.port is None or parts.path not in ("", "/"):
             raise ValueError
-        return parts, ipaddress.ip_address(parts.hostname or "")
+        if parts.query or ipaddress.ip_address(parts.hostname or "").is_unspecified:
+            raise ValueError
     except ValueError:
         raise UserError(
-            f"--stream {url}: expected srt://, rtp:// or udp:// with an IP address and a port, "
-            "such as srt://192.168.1.30:9000"
+            f"--stream {url}: expected rtp:// or udp:// with an IP address and a port, such as "
+            "rtp://192.168.1.30:5004"
         ) from None
-
-
-def _listens(url: str) -> bool:
-    parts, ip = _parts(url)
-    mode = parse_qs(parts.query).get("mode", ["listener" if ip.is_unspecified else "caller"])[0]
-    return bool(parts.scheme == "srt" and mode == "listener")
+    return StreamOptions(url.rstrip("/"), window, width)
 
 
 class StreamSender:
@@ -129,7 +82,7 @@ class StreamSender:
             self._latest = picture
 
     def check(self) -> str:
-        """A line if the stream began or ended since the last call, else an empty one."""
+        """A line if the stream began or failed since the last call, else an empty one."""
         line, self._line = self._line, ""
         return line
 
@@ -147,22 +100,20 @@ class StreamSender:
                 continue
             try:
                 self._send()
-            except (av.FFmpegError, OSError, ValueError) as fault:
-                waiting = self._options.listens and isinstance(fault, TimeoutError)
-                self._tell("" if waiting else f"it does not arrive ({_reason(fault)})")
+            except (av.FFmpegError, OSError) as fault:
+                self._tell(f"cannot be sent ({getattr(fault, 'strerror', None) or fault})")
                 self._ends.wait(AGAIN_S)
 
     def _send(self) -> None:
-        """Send until the size of the picture changes, or the receiver is gone."""
+        """Send until the size of the picture changes, or the network fails."""
         import av
 
         first = self.latest
         assert first is not None
         options, fps = self._options, self._options.fps
         height, width = first.shape[:2]
-        with av.open(
-            url_of(options), "w", format=FORMATS[options.scheme], options=muxing(options)
-        ) as container:
+        url = f"{options.url}?pkt_size={PACKET}&ttl={TTL}"
+        with av.open(url, "w", format=FORMATS[options.scheme]) as container:
             stream: Any = container.add_stream("libx264", rate=fps)
             stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
             stream.bit_rate = int(BITS * width * height * fps)
@@ -180,7 +131,7 @@ class StreamSender:
                 for packet in stream.encode(frame):
                     container.mux(packet)
                 if number == fps:
-                    self._tell("it arrives" if options.scheme == "srt" else "it is sent")
+                    self._tell("is sent")
                 # After a pause, as of the computer, pictures are left out.
                 number = max(number + 1, int((time.monotonic() - begun) * fps))
 
@@ -193,36 +144,7 @@ class StreamSender:
     def _tell(self, words: str) -> None:
         if words and words != self._told:
             self._told = words
-            self._line = f"stream to {self._options.url}: {words}"
-
-
-def url_of(options: StreamOptions) -> str:
-    """The URL as FFmpeg takes it, with the time to wait for a receiver."""
-    parts, ip = _parts(options.url)
-    query = {key: values[0] for key, values in parse_qs(parts.query).items()}
-    if options.scheme == "srt":
-        latency_ms = int(query.get("latency", LATENCY_MS))
-        query |= {
-            "mode": "listener" if options.listens else "caller",
-            "latency": str(1000 * latency_ms),
-            "listen_timeout": str(WAIT_US),
-            "timeout": str(WAIT_US),
-            "connect_timeout": str(WAIT_US // 1000),
-            "transtype": "live",
-        }
-    else:
-        query = {"pkt_size": "1316", "ttl": str(TTL)} | query
-    host = f"[{ip}]" if ip.version == 6 else str(ip)
-    return f"{options.scheme}://{host}:{parts.port}?{urlencode(query)}"
-
-
-def muxing(options: StreamOptions) -> dict[str, str]:
-    """The options of the protocol that no URL should show."""
-    return {"passphrase": options.passphrase} if options.passphrase else {}
-
-
-def _reason(fault: Exception) -> str:
-    return getattr(fault, "strerror", None) or str(fault)
+            self._line = f"stream to {self._options.url} {words}"
 
 
 class StreamPart(DivePart):
@@ -246,7 +168,7 @@ class StreamPart(DivePart):
         group.add_argument(
             "--stream",
             metavar="URL",
-            help="send what a window shows there: srt://, rtp:// or udp:// ADDRESS:PORT",
+            help="send what a window shows there: rtp://ADDRESS:PORT or udp://ADDRESS:PORT",
         )
         group.add_argument(
             "--stream-window",
@@ -259,18 +181,12 @@ class StreamPart(DivePart):
             metavar="PIXELS",
             help=f"the width of the stream at most (default: {WIDTH})",
         )
-        group.add_argument(
-            "--stream-passphrase",
-            type=Path,
-            metavar="FILE",
-            help="file of the passphrase with which an srt:// stream is encrypted",
-        )
 
     @classmethod
     def made(cls, options: Namespace, dive: "DiveOptions") -> "StreamPart | None":
         """Make the part for `--stream`."""
         if options.stream is None:
-            names = ("stream-window", "stream-width", "stream-passphrase")
+            names = ("stream-window", "stream-width")
             shared.refuse(options, names, "dive: {} needs --stream")
             return None
         width = WIDTH if options.stream_width is None else options.stream_width
@@ -279,7 +195,7 @@ class StreamPart(DivePart):
         window = options.stream_window
         if window is not None and options.theatre is None:
             raise UserError("--stream-window needs --theatre")
-        return cls(stream_options(options.stream, options.stream_passphrase, window, width))
+        return cls(stream_options(options.stream, window, width))
 
     def begin(self, dive: "Dive") -> None:
         """Begin to send."""

@@ -80,7 +80,6 @@ NOT_TYPED = {
     "curl": "it asks a dive that goes on",
     "subsea dive --console 0.0.0.0:8880": "it listens to other computers; tests/console does that",
     "subsea dive --stream rtp://": "it sends to other computers; test_stream.py sends here",
-    "subsea dive --stream srt://0.0.0.0": "other computers may call it; the same",
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",

@@ -46,7 +46,8 @@ class LtcDecoder:
         samples = np.asarray(samples, np.float64)
         if not len(samples):
             return []
-        middle, loud = 0.5 * (samples.max() + samples.min()), 0.5 * np.ptp(samples)
+        low, high = float(samples.min()), float(samples.max())
+        middle, loud = 0.5 * (low + high), 0.5 * (high - low)
         kept = max(1.0 - len(samples) / (FADE_S * self._rate), 0.0)
         self._loud = max(loud, kept * self._loud)
         self._middle = middle + kept * (self._middle - middle)
