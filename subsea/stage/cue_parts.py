@@ -2,6 +2,7 @@
 
 import time
 from argparse import Namespace
+from collections.abc import Callable
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
@@ -195,14 +196,16 @@ class CuesPart(DivePart):
 
             self._inputs.append(LtcInput(timecode.device, self._hear_label))
         by_midi = timecode if timecode is not None and timecode.source == "midi" else None
-        ports = {} if midi is None else {midi.port: self._messages.put}
+        ports: dict[str, Callable[[Any], object]] = {}
+        if midi is not None:
+            ports[midi.port] = self._messages.put
         if by_midi is not None or midi is not None:
             from subsea.stage.cues.midi_in import MidiInput, MtcReader
 
             self._reader = MtcReader()
         if by_midi is not None:
-            same = midi is not None and midi.port == by_midi.device
-            ports[by_midi.device] = self._hear_both if same else self._hear_mtc
+            port = by_midi.device or ("" if midi is None else midi.port)
+            ports[port] = self._hear_both if port in ports else self._hear_mtc
         for port, hear in ports.items():
             self._inputs.append(MidiInput(port, hear))
 

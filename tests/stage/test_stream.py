@@ -1,10 +1,12 @@
 """A live stream that a second process receives, and places that are refused."""
 
+import errno
 import socket
 import subprocess
 import sys
 import time
 
+import av
 import numpy as np
 import pytest
 
@@ -80,15 +82,19 @@ def test_nobody_who_receives_never_holds_the_dive_up():
 
 
 def test_a_network_that_fails_is_one_line(monkeypatch):
+    def fail(*given, **named):
+        raise OSError(errno.ENETUNREACH, "Network is unreachable")
+
     monkeypatch.setattr(stream, "AGAIN_S", 0.02)
-    sender = StreamSender(stream_options("udp://240.0.0.1:9000"))  # an address of no network
+    monkeypatch.setattr(av, "open", fail)
+    sender = StreamSender(stream_options("udp://10.1.1.1:9000"))
     sender.show(picture())
     end, line = time.monotonic() + 30.0, ""
     while not line:
         assert time.monotonic() < end
         time.sleep(0.01)
         line = sender.check()
-    assert line.startswith("stream to udp://240.0.0.1:9000 cannot be sent (")
+    assert line == "stream to udp://10.1.1.1:9000 cannot be sent (Network is unreachable)"
     time.sleep(0.3)
     assert sender.check() == ""
     sender.close()
