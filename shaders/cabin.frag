@@ -1,5 +1,7 @@
-// Final colours: of a panel with premultiplied opacity, or of painted metal lit from above.
+// Final colours: of a panel (PANEL 1) or a picture over the sea (2) with premultiplied opacity, or of
+// painted metal lit from above (0).
 uniform sampler2D u_panel;
+uniform float u_opacity;  // of a picture
 uniform vec3 u_light;  // of the water around, final colour
 
 in vec4 v_look;
@@ -23,10 +25,14 @@ vec3 drawn(vec3 colour) {
 
 void main() {
 #if PANEL
-    // The ground of the instruments ends at the foot of a window, but in the open on a panel.
     vec4 text = texture(u_panel, v_look.xy);
     vec3 colour = drawn(text.rgb / max(text.a, 1e-3)) * text.a;
+#if PANEL == 2
+    f_colour = vec4(colour, text.a) * u_opacity;
+#else
+    // The ground of the instruments ends at the foot of a window, but in the open on a panel.
     f_colour = vec4(colour, text.a) * smoothstep(0.0, 0.08, v_look.y);
+#endif
 #else
     float up = 0.5 + 0.5 * normalize(v_look.xyz).y;
     f_colour = vec4(drawn((0.2 + 0.8 * up * up) * v_look.w * u_light), 1.0);

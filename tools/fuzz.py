@@ -259,16 +259,54 @@ fade_s = 2
 [hours]
 monday = "10:00-17:30"
 friday = ["10:00-12:00", "18:00-02:00"]
+[[special_day]]
+title = "Gala"
+yearly = "12-24"
+days = 3
+hours = "closed"
+[[special_day]]
+date = 2026-12-31
+[osc]
+address = "127.0.0.1:9000"
+[timecode]
+source = "ltc"
+rate = 29.97
+[midi]
+port = "keys"
+[[midi.cue]]
+note = 60
+command = "item 2"
 [[item]]
 scenario = "peaceful"
 tour = "reef"
 for_s = 60
+osc = ["/cue/1/fire 2.5"]
 [[item]]
 start = "10:30"
-caption = "half past ten"
+caption = { de = "halb elf", en = "half past ten" }
+[[item]]
+start = "01:00:00:00"
+days = ["sunday", "Gala"]
+scenario = "schooling"
+overlay = { file = "title.png", tilt_deg = 20 }
 [[item]]
 start = "cue"
 scenario = "some/sea.toml"
+"""
+
+LAMPS = b"""
+[lights]
+protocol = "artnet"
+address = "127.0.0.1"
+[[lamp]]
+name = "one"
+channel = 1
+azimuth_deg = 90
+[[lamp]]
+name = "two"
+channel = 510
+universe = 3
+colours = "white"
 """
 
 KINDS = {
@@ -286,7 +324,11 @@ KINDS = {
     "measured": Kind(
         ".toml", lambda unused: [resource_path("assets/swimming.toml").read_bytes()], load_measured
     ),
-    "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),
+    "theatre": Kind(
+        ".toml",
+        lambda folder: [one + LAMPS for one in shipped("assets/theatres", ".toml")(folder)],
+        lambda p: load_theatre(str(p)),
+    ),
     "show": Kind(".toml", lambda unused: [SHOW], load_show),
     "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
     "snapshot": Kind(

@@ -101,7 +101,12 @@ def data() -> list[str]:
         *(load_species(name).name for name in shipped_species()),
         *(words for one in scenarios for words in (one.title, one.description)),
         *(cue.caption for one in scenarios for cue in one.direction if cue.caption),
-        *(item.caption for one in shows for item in one.item if item.caption),
+        *(
+            item.caption
+            for one in shows
+            for item in one.item
+            if item.caption and isinstance(item.caption, str)
+        ),
     ]
 
 

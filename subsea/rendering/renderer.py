@@ -24,6 +24,7 @@ from subsea.rendering.gl.static_batch import LazyMesh, StaticMesh, box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
 from subsea.rendering.output.exposure import ExposureSum
 from subsea.rendering.output.marks import MarkRenderer
+from subsea.rendering.output.overlay import OverlayRenderer
 from subsea.rendering.output.passes import LightParts, PartsTarget
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
@@ -153,6 +154,7 @@ class Renderer(GpuOwner):
         self._lines = self.own(LineRenderer(context))
         self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth, scene.grade))
         self.vessel = self.own(TheatreVesselRenderer(context))
+        self.overlay = self.own(OverlayRenderer(context))
         self._sized = self.own(GpuOwner())  # released when the size changes
         # Made when first needed.
         self._ids: IdBuffer | None = None
@@ -355,6 +357,7 @@ class Renderer(GpuOwner):
                 triangles += self._lines.draw(packet, number, view, uniforms)
             if not passes:
                 self.vessel.draw(self.rig, number, np.array(self._scene.water.far), unit)
+                self.overlay.draw(self.rig, number, unit)
             framebuffer.depth_mask = True
         context.scissor = None
         return triangles

@@ -1,4 +1,7 @@
-"""Play moments as they come on the system's sound device. The only module that opens one."""
+"""Play moments as they come on the system's sound device; hear another device.
+
+The only module that opens sound devices.
+"""
 
 import ctypes
 import time
@@ -53,6 +56,42 @@ def open_device(
         device.start(samples)
     except miniaudio.MiniaudioError as fault:
         raise OSError("the system has no device that plays") from fault
+    return device
+
+
+def open_capture(
+    name: str, samples: Generator[None, bytes, None], backends: Sequence[str] = ()
+) -> Any:
+    """Open and start the device to hear whose name holds a text; an OSError without one.
+
+    An empty text is the system's device. The generator gets one channel of samples, float32 of RATE
+    a second, in a thread of the device.
+    """
+    import miniaudio
+
+    with suppress(OSError, AttributeError):  # systems without ALSA
+        ctypes.CDLL("libasound.so.2").snd_lib_error_set_handler(_say_nothing)
+    chosen = [miniaudio.Backend[one] for one in backends]
+    device_id = None  # the system's
+    try:
+        if name:
+            found = miniaudio.Devices(chosen).get_captures()
+            fitting = [one["id"] for one in found if name.lower() in one["name"].lower()]
+            if not fitting:
+                names = ", ".join(one["name"] for one in found) or "none"
+                raise OSError(f"no sound device {name!r} to hear (there: {names})")
+            device_id = fitting[0]
+        device = miniaudio.CaptureDevice(
+            input_format=miniaudio.SampleFormat.FLOAT32, nchannels=1, sample_rate=RATE,
+            buffersize_msec=2 * PERIOD_MS, callback_periods=PERIODS, device_id=device_id,
+            app_name="subsea", backends=chosen or None,
+        )  # fmt: skip
+        if device.backend == "Null" and "NULL" not in backends:
+            device.close()
+            raise OSError("the system has no sound device to hear")
+        device.start(samples)
+    except miniaudio.MiniaudioError as fault:
+        raise OSError("the system has no sound device to hear") from fault
     return device
 
 

@@ -181,18 +181,25 @@ class ShowPart(DivePart):
 
     def check(self, options: "DiveOptions") -> None:
         """Raise a UserError for the first item that cannot be shown."""
+        from subsea.stage.cue_parts import check_cues
         from subsea.stage.show_file import faults, load_show
 
-        for _, fault in faults(load_show(self.path), self.path):
+        show = load_show(self.path)
+        check_cues(show, self.path)
+        for _, fault in faults(show, self.path):
             raise fault
 
     def plan(self, options: "DiveOptions") -> "DiveOptions":
         """Read the show, which takes this part's place; the dive begins in the scenario due."""
+        from subsea.stage.cue_parts import cues_of
         from subsea.stage.show_player import ShowScreens
 
         screens = ShowScreens(self.path, self._tell)
-        parts = tuple(screens if part is self else part for part in options.parts)
-        return replace(options, scenario=screens.first_scenario, parts=parts)
+        mine = [part for part in (cues_of(screens), screens) if part is not None]
+        parts: list[DivePart] = []
+        for part in options.parts:
+            parts += mine if part is self else [part]
+        return replace(options, scenario=screens.first_scenario, parts=tuple(parts))
 
 
 def show_of(parts: Sequence[DivePart]) -> "ShowScreens | None":

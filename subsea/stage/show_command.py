@@ -24,7 +24,10 @@ def add(commands: Any) -> None:
 
 def run(options: Namespace) -> int:
     """Print the timetable; 1 if an item cannot be shown."""
-    from subsea.stage.show_file import show_path
+    from subsea.stage.cue_parts import check_cues
+    from subsea.stage.show_file import load_show, show_path
     from subsea.stage.show_player import describe_show
 
-    return describe_show(show_path(options.show))
+    path = show_path(options.show)
+    check_cues(load_show(path), path)
+    return describe_show(path)

@@ -6,16 +6,19 @@ once a day.
 """
 
 import hashlib
-import re
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from datetime import date, datetime, time, timedelta
+from io import BytesIO
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import msgspec
+import numpy as np
 
-from subsea.base.errors import UserError
-from subsea.base.files import file_hash
+from subsea.base.errors import UserError, unknown
+from subsea.base.files import MIB, file_hash, read_input
+from subsea.base.language import LANGUAGES, language, translated
 from subsea.base.system import is_path, resource_names, resource_path, unknown_name
 from subsea.base.toml_files import error_at, load_toml
 from subsea.dive.directed_camera import check_tour
@@ -24,99 +27,25 @@ from subsea.frame.diagrams import chosen_diagrams
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.scenario.shoals import find_fish
-
-DAYS = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
-CLOSED = "closed"
-DAY_MIN = 24 * 60
-_TIME = re.compile(r"([01]?\d|2[0-4]):([0-5]\d)")
-
-Span = tuple[int, int]  # minutes after midnight: open from, until before; beyond 24:00 at night
-
-
-class OpeningHours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Texts such as ``10:00-17:30`` or several of them; a day that is not named is closed."""
-
-    monday: str | list[str] = CLOSED
-    tuesday: str | list[str] = CLOSED
-    wednesday: str | list[str] = CLOSED
-    thursday: str | list[str] = CLOSED
-    friday: str | list[str] = CLOSED
-    saturday: str | list[str] = CLOSED
-    sunday: str | list[str] = CLOSED
-
-    def __post_init__(self) -> None:
-        """Refuse texts that are not spans."""
-        for day in DAYS:
-            try:
-                _spans(getattr(self, day))
-            except ValueError as fault:
-                raise ValueError(f"{day}: {fault}") from None
-
-
-def minutes_of(text: str) -> int:
-    """Minutes after midnight of a time such as ``10:30``; 24:00 is the end of a day."""
-    time = _TIME.fullmatch(text.strip())
-    minutes = 60 * int(time[1]) + int(time[2]) if time else DAY_MIN + 1
-    if minutes > DAY_MIN:
-        raise ValueError(f"{text!r}: expected a time of the day such as 10:30")
-    return minutes
-
-
-def spans_on(hours: OpeningHours, day: date) -> tuple[Span, ...]:
-    """The spans that begin on a day."""
-    return _spans(getattr(hours, DAYS[day.weekday()]))
-
-
-def is_open(hours: OpeningHours | None, at: datetime) -> bool:
-    """True at a local time within the hours; without hours, always."""
-    if hours is None:
-        return True
-    day = day_of(hours, at)
-    minute = 60 * at.hour + at.minute + DAY_MIN * (at.date() - day).days
-    return any(begin <= minute < end for begin, end in spans_on(hours, day))
-
-
-def day_of(hours: OpeningHours | None, at: datetime) -> date:
-    """Find the day of the show at a local time: a night is part of the evening before."""
-    before = at.date() - timedelta(days=1)
-    minute = 60 * at.hour + at.minute + DAY_MIN
-    late = hours is not None and any(minute < end for _, end in spans_on(hours, before))
-    return before if late else at.date()
-
-
-def hours_text(hours: OpeningHours | None, day: date) -> str:
-    """The hours of a day in words."""
-    if hours is None:
-        return "always open"
-    spans = ", ".join(f"{clock_text(a)} to {clock_text(b)}" for a, b in spans_on(hours, day))
-    return f"open {spans}" if spans else CLOSED
-
-
-def clock_text(minutes: int) -> str:
-    """A time of the day, such as 10:30."""
-    minutes -= DAY_MIN if minutes > DAY_MIN else 0
-    return f"{minutes // 60:02d}:{minutes % 60:02d}"
-
-
-def _spans(texts: str | list[str]) -> tuple[Span, ...]:
-    if texts == CLOSED:
-        return ()
-    spans: list[Span] = []
-    for text in [texts] if isinstance(texts, str) else texts:
-        first, dash, last = text.partition("-")
-        if not dash:
-            raise ValueError(f"{text!r}: expected hours such as 10:00-17:30, or {CLOSED!r}")
-        begin, end = minutes_of(first), minutes_of(last)
-        end += DAY_MIN if end <= begin else 0  # past midnight
-        if spans and begin < spans[-1][1]:
-            raise ValueError(f"{text!r}: expected hours one after the other")
-        spans.append((begin, end))
-    return tuple(spans)
-
+from subsea.stage.cues.tables import MidiIn, OscOut, TimecodeIn, check_message
+from subsea.stage.cues.timecode import parsed_label, seconds_of
+from subsea.stage.opening_hours import (
+    DAYS,
+    Calendar,
+    OpeningHours,
+    SpecialDay,
+    clock_text,
+    day_of,
+    minutes_of,
+)
+from subsea.stage.theatre.theatre_file import File
+from subsea.view.fisheye import Fisheye
+from subsea.view.surround import ALL_ROUND
 
 SHIPPED = "assets/shows"  # folder of shipped shows
 AFTER, CUE = "after", "cue"
-MOST_ITEMS = 200
+MOST_ITEMS, MOST_SPECIAL_DAYS = 200, 400
+MOST_OVERLAY, MOST_OVERLAY_BYTES = 8192, 256 * MIB  # pixels of a side; bytes of a file
 
 Seconds = Annotated[float, msgspec.Meta(ge=1, le=86400)]
 Fade = Annotated[float, msgspec.Meta(ge=0, le=30)]
@@ -125,16 +54,27 @@ Tilt = Annotated[float, msgspec.Meta(ge=-MOST_TILT_DEG, le=MOST_TILT_DEG)]
 Words = Annotated[str, msgspec.Meta(max_length=300)]
 
 
+class FisheyeOverlay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A picture over the sea: an equidistant fisheye with the front at its foot, as of a dome."""
+
+    file: File  # PNG with opacity, relative to the show
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = ALL_ROUND.tilt_deg  # to the front
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, le=360)] = ALL_ROUND.dome_deg
+
+
 class ShowItem(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A part of a show."""
 
     scenario: Annotated[str, msgspec.Meta(min_length=1, max_length=500)] | None = None
     tour: Annotated[str, msgspec.Meta(min_length=1, max_length=100)] | None = None
-    start: str = AFTER  # or CUE, or a time of the day
+    start: str = AFTER  # or CUE, a time of the day, or a timecode
+    days: list[str] = []  # weekdays and titles of special days; empty: all
     for_s: Seconds | None = None
-    caption: Words = ""
+    caption: Words | dict[str, Words] = ""  # or by language
     caption_s: Seconds | None = None
     fade_s: Fade | None = None  # into black, and out of it again; None: that of the show
+    overlay: FisheyeOverlay | None = None
+    osc: Annotated[list[Words], msgspec.Meta(max_length=50)] = []  # messages when it begins
     show: list[str] = []  # diagrams over the picture
     wireframe: bool = False  # draw the edges of triangles
     bodies: bool = True  # False: the fishes are hidden, and only their diagrams are seen
@@ -152,23 +92,49 @@ class ShowItem(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         cameras = [key for key in ("tour", "follow", "eyes") if getattr(self, key) is not None]
         if len(cameras) > 1:
             raise ValueError(f"expected one of {' and '.join(f'`{key}`' for key in cameras)}")
-        if self.start not in (AFTER, CUE):
+        if self.start not in (AFTER, CUE) and not self.by_timecode:
             try:
                 minutes_of(self.start)
             except ValueError:
                 raise ValueError(
-                    f"`start` is {self.start!r}, expected 'after', 'cue' or a time such as '10:30'"
+                    f"`start` is {self.start!r}, expected 'after', 'cue', a time such as '10:30' "
+                    "or a timecode such as '01:00:00:00'"
                 ) from None
+        if isinstance(self.caption, dict):
+            _check_languages("caption", self.caption)
+        for message in self.osc:
+            try:
+                check_message(message)
+            except ValueError as fault:
+                raise ValueError(f"`osc`: {fault}") from None
+
+    @property
+    def by_timecode(self) -> bool:
+        """True if a timecode starts it."""
+        try:
+            parsed_label(self.start)
+        except ValueError:
+            return False
+        return True
 
     @property
     def minute(self) -> int | None:
         """Minutes after midnight at which it starts; None: not by the clock."""
-        return None if self.start in (AFTER, CUE) else minutes_of(self.start) % (24 * 60)
+        if self.start in (AFTER, CUE) or self.by_timecode:
+            return None
+        return minutes_of(self.start) % (24 * 60)
+
+    def caption_in(self, code: str) -> str:
+        """The caption in a language: its own, else the English one, else the first."""
+        if isinstance(self.caption, str):
+            return translated(self.caption, code)
+        others = self.caption.get("en") or next(iter(self.caption.values()), "")
+        return self.caption.get(code) or others
 
     @property
     def own_view(self) -> str | None:
         """The first key that changes how one computer draws the sea; None without one."""
-        keys = ("show", "wireframe", "follow", "eyes")
+        keys = ("overlay", "show", "wireframe", "follow", "eyes")
         changed = (key for key in keys if getattr(self, key))
         return next(changed, None if self.bodies else "bodies")
 
@@ -179,8 +145,38 @@ class Show(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     title: Words = ""
     repeat: bool = True  # the first item follows the last
     fade_s: Fade = 1.0
+    languages: list[str] = []  # of captions, one after the other; empty: that of the dive
     hours: OpeningHours | None = None
+    special_day: Annotated[list[SpecialDay], msgspec.Meta(max_length=MOST_SPECIAL_DAYS)] = []
+    osc: OscOut | None = None
+    timecode: TimecodeIn | None = None
+    midi: MidiIn | None = None
     item: Annotated[list[ShowItem], msgspec.Meta(min_length=1, max_length=MOST_ITEMS)]
+
+    def __post_init__(self) -> None:
+        """Refuse unknown languages."""
+        _check_languages("languages", self.languages)
+
+    @property
+    def calendar(self) -> Calendar:
+        """When it is open."""
+        return Calendar(self.hours, tuple(self.special_day))
+
+    def captions_of(self, number: int) -> list[str]:
+        """The captions of an item, to be shown one after the other."""
+        codes = self.languages or [language()]
+        return list(dict.fromkeys(self.item[number].caption_in(code) for code in codes))
+
+    def is_on(self, number: int, day: date) -> bool:
+        """True if an item is on at a day."""
+        days = self.item[number].days
+        return not days or any(name in days for name in self.calendar.names_of(day))
+
+
+def _check_languages(key: str, codes: Iterable[str]) -> None:
+    for code in codes:
+        if code not in LANGUAGES:
+            raise ValueError(f"`{key}`: {code!r}, expected {', '.join(LANGUAGES)}")
 
 
 def shipped_shows() -> list[str]:
@@ -209,11 +205,30 @@ def load_show(path: Path) -> Show:
                 f"item {k + 2}"
             )
             raise error_at(path, f"item[{k}]", message)
-    starts = [item.minute for item in show.item]
-    for k, minute in enumerate(starts):
-        if minute is not None and minute in starts[:k]:
-            raise error_at(path, f"item[{k}].start", f"two items start at {show.item[k].start}")
+    for k, item in enumerate(show.item):
+        same = [one for one in show.item[:k] if item.start not in (AFTER, CUE)
+                and one.start == item.start and _meet(one, item)]  # fmt: skip
+        if same:
+            raise error_at(path, f"item[{k}].start", f"two items start at {item.start}")
+        if item.by_timecode and show.timecode is None:
+            message = f"`start` is {item.start!r}, a timecode: expected a table [timecode]"
+            raise error_at(path, f"item[{k}].start", message)
+        if item.osc and show.osc is None:
+            message = "`osc`: expected a table [osc] that says where messages go"
+            raise error_at(path, f"item[{k}].osc", message)
+        if k and item.scenario is None and item.days != show.item[k - 1].days:
+            message = "an item of other days than the one before needs a `scenario`"
+            raise error_at(path, f"item[{k}]", f"`item[{k}]`: {message}")
+        known = [*DAYS, *(one.title for one in show.special_day if one.title)]
+        for name in item.days:
+            if name not in known:
+                raise error_at(path, f"item[{k}].days", unknown("day", name, known).message)
     return show
+
+
+def _meet(one: ShowItem, other: ShowItem) -> bool:
+    """True if two items may be on at the same day."""
+    return not one.days or not other.days or bool(set(one.days) & set(other.days))
 
 
 def show_digest(path: Path) -> str:
@@ -277,6 +292,35 @@ def faults(show: Show, path: Path) -> Iterator[tuple[int, UserError]]:
             yield number, error_at(path, key, f"item {number + 1}: {fault}")
 
 
+def overlay_faults(show: Show, path: Path) -> Iterator[UserError]:
+    """Overlays that cannot be shown; their items are shown without them."""
+    for number, item in enumerate(show.item):
+        if item.overlay is not None:
+            try:
+                read_overlay(path, item.overlay)
+            except UserError as fault:
+                yield error_at(path, f"item[{number}].overlay", f"item {number + 1}: {fault}")
+
+
+def read_overlay(path: Path, overlay: FisheyeOverlay) -> Fisheye:
+    """Read the picture of an overlay of the show in `path`; a UserError if that cannot be shown."""
+    from PIL import Image
+
+    file = path.parent / overlay.file
+    data = read_input(file, MOST_OVERLAY_BYTES)
+    try:
+        with Image.open(BytesIO(data), formats=("PNG",)) as image:
+            if image.width != image.height or not 16 <= image.width <= MOST_OVERLAY:
+                size = f"{image.width}×{image.height} pixels"
+                raise UserError(f"{size}, expected a square of 16 to {MOST_OVERLAY}", file=file)
+            pixels = np.asarray(image.convert("RGBA"))
+    except UserError:
+        raise
+    except Exception as fault:  # Pillow raises nearly anything for a damaged file
+        raise UserError("not a readable PNG picture", file=file) from fault
+    return Fisheye(pixels, math.radians(overlay.tilt_deg), math.radians(overlay.angle_deg))
+
+
 JUMP_S = 5.0  # difference between clock and passed time that counts as a jump
 DAY = timedelta(days=1)
 
@@ -305,11 +349,12 @@ def clock_now() -> ShowClock:
 
 def begin(show: Show, now: ShowClock) -> Progress:
     """The progress of a show that begins now: where it would be by the clock of its day."""
-    midnight = datetime.combine(day_of(show.hours, now.local), time())
-    item, elapsed_s = 0, 0.0
+    day = day_of(show.calendar, now.local)
+    midnight = datetime.combine(day, time())
+    item, elapsed_s = next((k for k in range(len(show.item)) if show.is_on(k, day)), 0), 0.0
     if due := _latest_start(show, midnight - timedelta(microseconds=1), now.local):
         item, elapsed_s = due[1], (now.local - due[0]).total_seconds()
-    item, elapsed_s = _walk(show, item, elapsed_s)
+    item, elapsed_s = _walk(show, item, elapsed_s, day)
     return Progress(item=item, elapsed_s=elapsed_s, seen=now.local, utc_s=now.utc_s)
 
 
@@ -324,18 +369,20 @@ def advance(
     back = jump_s(before, now, elapsed_s) < -JUMP_S
     seen = now.local if back else max(before.seen, now.local)
     due = None if back else _latest_start(show, before.seen, seen)
+    day = day_of(show.calendar, now.local)
+    over = cue or not show.is_on(before.item, day)  # its days are over
     if due:
-        item, passed = _walk(show, due[1], max((now.local - due[0]).total_seconds(), 0.0))
-    elif cue and (following := next_item(show, before.item)) is not None:
+        item, passed = _walk(show, due[1], max((now.local - due[0]).total_seconds(), 0.0), day)
+    elif over and (following := next_item(show, before.item, day)) is not None:
         item, passed = following, 0.0
     else:
-        item, passed = _walk(show, before.item, before.elapsed_s + elapsed_s)
+        item, passed = _walk(show, before.item, before.elapsed_s + elapsed_s, day)
     return Progress(item=item, elapsed_s=passed, seen=seen, utc_s=now.utc_s)
 
 
 def resume(show: Show, saved: Progress, now: ShowClock) -> Progress:
     """The progress after a time without power: the saved one, or by the clock of a later item."""
-    days = {day_of(show.hours, at) for at in (saved.seen, now.local)}
+    days = {day_of(show.calendar, at) for at in (saved.seen, now.local)}
     if not 0 <= saved.item < len(show.item) or len(days) > 1:
         return begin(show, now)
     if now.local < saved.seen:  # the clock has lost its battery, or was set
@@ -348,16 +395,29 @@ def jump_s(before: Progress, now: ShowClock, elapsed_s: float) -> float:
     return now.utc_s - before.utc_s - elapsed_s
 
 
-def next_item(show: Show, item: int) -> int | None:
-    """The item that follows; None after the last of a show that does not repeat."""
-    if item + 1 < len(show.item):
-        return item + 1
-    return 0 if show.repeat else None
+def next_item(show: Show, item: int, day: date) -> int | None:
+    """The item of a day that follows; None after the last of a show that does not repeat."""
+    later = range(item + 1, len(show.item))
+    order = [*later, *range(item + 1)] if show.repeat else later
+    return next((number for number in order if show.is_on(number, day)), None)
+
+
+def place_at(show: Show, time_s: float, day: date) -> tuple[int, float] | None:
+    """The item of a day at a timecode, and the seconds since it began; None before the first."""
+    if show.timecode is None:
+        return None
+    starts = [
+        (seconds_of(parsed_label(item.start), show.timecode.frames), number)
+        for number, item in enumerate(show.item)
+        if item.by_timecode and show.is_on(number, day)
+    ]
+    past = [start for start in starts if start[0] <= time_s]
+    return _walk(show, max(past)[1], time_s - max(past)[0], day) if past else None
 
 
 def waits_for(show: Show, progress: Progress) -> str:
     """The start of the next item: "cue", a time, or the seconds left; empty if there is none."""
-    following = next_item(show, progress.item)
+    following = next_item(show, progress.item, day_of(show.calendar, progress.seen))
     if following is None:
         return ""
     start = show.item[following].start
@@ -367,36 +427,41 @@ def waits_for(show: Show, progress: Progress) -> str:
     return start
 
 
-def timetable(show: Show) -> Iterator[tuple[str, int]]:
-    """The start of each item, as far as a day's clock tells it: a time, "cue" or "after …"."""
+def timetable(show: Show, day: date) -> Iterator[tuple[str, int]]:
+    """The start of each item of a day, as far as its clock tells: a time, "cue" or "after …"."""
     at: float | None = None  # minutes, known after an item of a fixed time
+    last: int | None = None
     for number, item in enumerate(show.item):
-        before = show.item[number - 1] if number else None
+        if not show.is_on(number, day):
+            continue
+        before = None if last is None else show.item[last]
         if item.minute is not None:
             at = float(item.minute)
             text = clock_text(item.minute)
-        elif item.start == CUE:
-            at, text = None, "on cue"
+        elif item.start == CUE or item.by_timecode:
+            at, text = None, "on cue" if item.start == CUE else item.start
         elif at is not None and before is not None and before.for_s is not None:
             at += before.for_s / 60.0
             text = clock_text(int(at))
         else:
-            text = "first" if before is None else f"after item {number}"
+            text = "first" if last is None else f"after item {last + 1}"
         yield text, number
+        last = number
 
 
-def _walk(show: Show, item: int, elapsed_s: float) -> tuple[int, float]:
-    """Go on over items whose time is over, if the next one starts after them."""
-    cycle = sum(each.for_s or 0.0 for each in show.item)
-    if cycle and show.repeat and all(each.start == AFTER and each.for_s for each in show.item):
+def _walk(show: Show, item: int, elapsed_s: float, day: date) -> tuple[int, float]:
+    """Go on over items of a day whose time is over, if the next one starts after them."""
+    those = [one for number, one in enumerate(show.item) if show.is_on(number, day)]
+    cycle = sum(each.for_s or 0.0 for each in those)
+    if cycle and show.repeat and all(each.start == AFTER and each.for_s for each in those):
         elapsed_s %= cycle
     for_s = show.item[item].for_s
-    following = next_item(show, item)
+    following = next_item(show, item, day)
     while for_s is not None and elapsed_s >= for_s and following is not None:
         if show.item[following].start != AFTER:
             break
         item, elapsed_s = following, elapsed_s - for_s
-        for_s, following = show.item[item].for_s, next_item(show, item)
+        for_s, following = show.item[item].for_s, next_item(show, item, day)
     return item, elapsed_s
 
 
@@ -413,4 +478,6 @@ def _latest_start(show: Show, after: datetime, until: datetime) -> tuple[datetim
         if item.minute is not None
     ]
     since = max(after, until - DAY)
-    return max((start for start in starts if since < start[0] <= until), default=None)
+    due = (start for start in starts if since < start[0] <= until)
+    on = (start for start in due if show.is_on(start[1], day_of(show.calendar, start[0])))
+    return max(on, default=None)

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from datetime import date
+from datetime import date, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,7 +18,6 @@ import platformdirs
 
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
-from subsea.base.language import translated
 from subsea.base.progress import count_noun, print_line, say
 from subsea.dive.captions import Caption, faded, shown_s
 from subsea.dive.part import DivePart
@@ -26,7 +25,8 @@ from subsea.dive.presented import Presented, with_show
 from subsea.frame.diagrams import chosen_diagrams
 from subsea.scenario.schema import AUTOPILOT, Scenario
 from subsea.scenario.shoals import find_fish
-from subsea.stage import show_file
+from subsea.stage import opening_hours, show_file
+from subsea.view.fisheye import Fisheye
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
 from subsea.world.world import World
@@ -80,7 +80,8 @@ class ShowStore:
 
     def __init__(self, show: str, tell: Tell) -> None:
         """For the show of that digest; `tell` reports that the disk is full, once."""
-        self._path, self._show, self._tell = state_folder() / "show.state", show, tell
+        self._path, self._tell = state_folder() / "show.state", tell
+        self.show = show
         self._tell_full = once(tell)
         self._pool = ThreadPoolExecutor(1)
         self._writing: Future[None] | None = None
@@ -98,14 +99,14 @@ class ShowStore:
         except (msgspec.DecodeError, RecursionError):
             self._tell(f"{self._path}: not the state of a show; the show begins again")
             return None
-        return saved if saved.show == self._show else None
+        return saved if saved.show == self.show else None
 
     def save(self, progress: show_file.Progress, shown: int, sea: Callable[[], bytes]) -> None:
         """Save a state, unless the last one is still being written."""
         if self._writing is not None and not self._writing.done():
             return
         self.close()
-        saved = SavedShow(show=self._show, progress=progress, shown=shown, sea=sea())
+        saved = SavedShow(show=self.show, progress=progress, shown=shown, sea=sea())
         data = msgspec.msgpack.encode(saved)
         self._writing = self._pool.submit(write_whole, self._path, data)
 
@@ -169,19 +170,19 @@ def describe_show(path: Path) -> int:
     At night that of the evening before, while its hours last.
     """
     show, today = show_file.load_show(path), show_file.clock_now().local.date()
-    day = show_file.day_of(show.hours, show_file.clock_now().local)
+    day = opening_hours.day_of(show.calendar, show_file.clock_now().local)
     items = count_noun(len(show.item), "item", "items")
     named = "today" if day == today else "yesterday"
-    print_line(
-        f"{show.title or path.name}: {items}, {show_file.hours_text(show.hours, day)} {named}"
-    )
-    for start, number in show_file.timetable(show):
+    hours = opening_hours.hours_text(show.calendar, day)
+    print_line(f"{show.title or path.name}: {items}, {hours} {named}")
+    for start, number in show_file.timetable(show, day):
         print_line(f"{number + 1:>4}  {start:<14}{_described(show.item[number])}")
     if show.repeat:
         print_line("      then from the beginning")
     print_line(f"dives of visitors today: {DiveCount(say).of(today)}")
-    missing = list(show_file.faults(show, path))
-    for _, fault in missing:
+    missing = [fault for _, fault in show_file.faults(show, path)]
+    missing += show_file.overlay_faults(show, path)
+    for fault in missing:
         say(str(fault))
     return 1 if missing else 0
 
@@ -190,11 +191,12 @@ def _described(item: show_file.ShowItem) -> str:
     parts = [item.scenario or "the same sea", f"tour {item.tour}" if item.tour else "steered"]
     if item.for_s is not None:
         parts.append(f"{item.for_s:g} s")
-    if item.caption:
-        parts.append(f"“{item.caption}”")
+    if words := item.caption_in("en"):
+        parts.append(f"“{words}”")
     return ", ".join(parts)
 
 
+LOOK_AHEAD_DAYS = 60  # for the next opening
 STEP_S = 0.25  # longest step of a fade: a sea was loaded since the last picture
 
 
@@ -214,15 +216,42 @@ class ShowPlayer:
         self.progress = (
             show_file.begin(show, now) if saved is None else show_file.resume(show, saved, now)
         )
-        self.open = show_file.is_open(show.hours, now.local)
+        self.open = opening_hours.is_open(show.calendar, now.local)
         self.shown: int | None = None  # the item whose sea is on the screens
         self.shade = 1.0  # of the screens
         self._cue, self._loaded = False, False
+        # An item, and the second in it: that of a presenter, and that of a timecode.
+        self._wanted: tuple[int, float] | None = None
+        self._chased: tuple[int, float] | None = None
+        self._timecode: tuple[int | None, int] = None, 0  # the last item by timecode; its jumps
         self._caption_s = 0.0  # since the shown item became visible
 
     def next_cue(self) -> None:
         """Go on to the next item now, whatever it waits for."""
         self._cue = True
+
+    def go_to(self, item: int, elapsed_s: float = 0.0) -> None:
+        """Go to an item now, as if it had begun `elapsed_s` ago."""
+        self._wanted = item, elapsed_s
+
+    def follow(self, time_s: float | None, jumps: int) -> None:
+        """Follow a timecode, of which there were so many `jumps`; None: it has stopped.
+
+        It starts an item when it passes its time, or has jumped. An item that a cue has begun
+        stays until then.
+        """
+        if time_s is None:
+            return
+        day = opening_hours.day_of(self.show.calendar, self._clock().local)
+        place = show_file.place_at(self.show, time_s, day)
+        item = None if place is None else place[0]
+        if place is not None and ((item, jumps) != self._timecode or item == self.progress.item):
+            self._chased = place
+        self._timecode = item, jumps
+
+    def take(self, show: show_file.Show) -> None:
+        """Go on with a changed show of as many items."""
+        self.show = show
 
     def state(self) -> dict[str, Any]:
         """The state, for a presenter: docs/reference/console-interface.md."""
@@ -230,6 +259,9 @@ class ShowPlayer:
             "title": self.show.title,
             "item": self.progress.item + 1,
             "items": len(self.show.item),
+            "programme": self.programme(),
+            "special_days": self.special_days(),
+            "hours": opening_hours.hours_text(self.show.calendar, self._day),
             "scenario": self.item.scenario,
             "tour": self.item.tour,
             "elapsed_s": self.progress.elapsed_s,
@@ -237,6 +269,35 @@ class ShowPlayer:
             "open": self.open,
             "shade": self.shade,
         }
+
+    def programme(self) -> list[dict[str, Any]]:
+        """Describe all items, for a presenter."""
+        day = self._day
+        return [
+            {
+                "scenario": item.scenario,
+                "tour": item.tour,
+                "start": item.start,
+                "for_s": item.for_s,
+                "caption": item.caption_in("en"),
+                "languages": 1 if isinstance(item.caption, str) else len(item.caption),
+                "on": self.show.is_on(number, day),
+            }
+            for number, item in enumerate(self.show.item)
+        ]
+
+    def special_days(self) -> list[dict[str, Any]]:
+        """Describe the special days, for a presenter; `now` on those that are today."""
+        today = self._day
+        return [
+            {
+                "title": day.title,
+                "when": day.when,
+                "hours": day.hours if isinstance(day.hours, str) else ", ".join(day.hours or ()),
+                "now": day.holds(today),
+            }
+            for day in self.show.special_day
+        ]
 
     @property
     def item(self) -> show_file.ShowItem:
@@ -264,16 +325,20 @@ class ShowPlayer:
         if abs(jump := show_file.jump_s(before, now, elapsed_s)) > show_file.JUMP_S:
             way = "forward" if jump > 0.0 else "back"
             self._tell(f"the clock went {way} by {abs(jump):.0f} s; the show goes on")
-        was_open, self.open = self.open, show_file.is_open(self.show.hours, now.local)
+        was_open, self.open = self.open, opening_hours.is_open(self.show.calendar, now.local)
         if self.open and not was_open:
             self.progress, self.shown = show_file.begin(self.show, now), None
             self._tell("the show opens")
         elif self.open:
             self.progress = show_file.advance(self.show, before, now, elapsed_s, cue)
+            if (wanted := self._wanted or (None if cue else self._chased)) is not None:
+                item, since_s = wanted
+                self.progress = msgspec.structs.replace(self.progress, item=item, elapsed_s=since_s)
         else:
             self.progress = msgspec.structs.replace(before, seen=now.local, utc_s=now.utc_s)
             if was_open:
                 self._tell(f"the show closes; {self._next_opening(now)}")
+        self._wanted = self._chased = None
         self._fade(elapsed_s, held)
 
     def show_item(self, item: int) -> None:
@@ -283,12 +348,24 @@ class ShowPlayer:
         self.shown = item
 
     def caption(self) -> Caption:
-        """The caption of the shown item, which comes with its first picture."""
-        if self.shown is None or not self.show.item[self.shown].caption:
+        """The caption of the shown item, which comes with its first picture.
+
+        In several languages they follow each other.
+        """
+        if self.shown is None:
             return Caption()
-        item = self.show.item[self.shown]
-        length_s = shown_s(item.caption, item.caption_s)
-        return faded(translated(item.caption), self._caption_s, length_s - self._caption_s)
+        since_s = self._caption_s
+        for words in self.show.captions_of(self.shown):
+            length_s = shown_s(words, self.show.item[self.shown].caption_s)
+            if words and since_s < length_s:
+                return faded(words, since_s, length_s - since_s)
+            since_s -= length_s if words else 0.0
+        return Caption()
+
+    @property
+    def _day(self) -> date:
+        """The day of the show, which a night is part of until its hours end."""
+        return opening_hours.day_of(self.show.calendar, self.progress.seen)
 
     def _fade(self, elapsed_s: float, held: bool) -> None:
         """Darken before another item and outside the hours, else lighten."""
@@ -302,13 +379,13 @@ class ShowPlayer:
             self._caption_s += elapsed_s
 
     def _next_opening(self, now: show_file.ShowClock) -> str:
-        hours = self.show.hours
-        later = [] if hours is None else show_file.spans_on(hours, now.local.date())
-        minute = 60 * now.local.hour + now.local.minute
-        for first, _ in later:
-            if first > minute:
-                return f"it opens at {show_file.clock_text(first)}"
-        return "it opens on another day"
+        today, minute = now.local.date(), 60 * now.local.hour + now.local.minute
+        for day in (today + timedelta(days=k) for k in range(LOOK_AHEAD_DAYS)):
+            for first, _ in opening_hours.spans_on(self.show.calendar, day):
+                if day > today or first > minute:
+                    at = opening_hours.clock_text(first)
+                    return f"it opens at {at}" if day == today else f"it opens on {day} at {at}"
+        return "no day on which it opens is near"
 
 
 SAVE_S = 15.0  # between two saved states
@@ -330,6 +407,8 @@ class ShowScreens(DivePart):
         bad = dict(show_file.faults(self.show, path))
         for fault in bad.values():
             tell(f"{fault}; the sea before it goes on")
+        for fault in show_file.overlay_faults(self.show, path):
+            tell(f"{fault}; the sea is shown without it")
         if len(bad) == len(self.show.item):
             raise UserError("no item can be shown", file=path)
         self._store = ShowStore(show_file.show_digest(path), tell)
@@ -392,6 +471,20 @@ class ShowScreens(DivePart):
         """Go on to the next item."""
         self.player.next_cue()
 
+    def go_to(self, number: int) -> None:
+        """Go to an item, counted from 0; a UserError if there is none, or the show is closed."""
+        if not 0 <= number < len(self.show.item):
+            raise UserError(f"item {number + 1}: expected 1 to {len(self.show.item)}")
+        if not self.player.open:
+            raise UserError("the show is closed now")
+        self.player.go_to(number)
+
+    def take(self, show: show_file.Show) -> None:
+        """Go on with the changed file."""
+        self.show = show
+        self.player.take(show)
+        self._store.show = show_file.show_digest(self.path)
+
     def end(self, dive: "Dive") -> None:
         """Forget the state: the operator ended the show, and the next one begins by the clock."""
         self._store.close()
@@ -419,6 +512,16 @@ class ShowScreens(DivePart):
         dive.tours.start_item(tour, since_s, start)
         self._draw_as(dive, item, start is not None)
 
+    def _overlay(self, item: show_file.ShowItem) -> Fisheye | None:
+        """Read the picture over the sea of an item; one that is gone is a line."""
+        if item.overlay is None:
+            return None
+        try:
+            return show_file.read_overlay(self.path, item.overlay)
+        except UserError as fault:
+            self._tell(f"{fault}; the sea is shown without it")
+            return None
+
     def _draw_as(self, dive: "Dive", item: show_file.ShowItem, opened: bool) -> None:
         """Show what an item says of its fishes, and look at or through one of them.
 
@@ -431,6 +534,7 @@ class ShowScreens(DivePart):
         dive.picture.diagrams = {*diagrams, *chosen_diagrams(",".join(item.show))}
         dive.picture.wireframe = wireframe or item.wireframe
         dive.picture.bodies = item.bodies
+        dive.picture.overlay = self._overlay(item)
         name, fish = item.eyes or item.follow, None
         if opened and name is not None:
             fish = find_fish(name, dive.world.scenario)

@@ -99,6 +99,7 @@ class Dive:
         self.changing = False  # True while the world's next state is made (`change_world`)
         self._passed_s = 0.0  # seconds since the last frame that other frames have shown
         self.pictures = 0  # of the sea, shown so far
+        self.black = False  # True while a part keeps the screens black
         self.faults = FaultLog()
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
@@ -345,7 +346,8 @@ class Dive:
         self.world.notices.clear()
         self.sound.check()
         black = [part.before(self, elapsed_s) for part in self.parts]
-        if any(black):
+        self.black = any(black)
+        if self.black:
             self.pilot.was_active()  # nobody sees where they steer
             self._present_black()
             return

@@ -43,6 +43,7 @@ from subsea.rendering.renderer import BakedScene, Renderer
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
+from subsea.view.fisheye import Fisheye
 from subsea.view.front_screen import WHOLE, FrontView, TextViewport, front_screen, text_viewports
 from subsea.view.levels import empty_lod_state
 from subsea.view.retina import fish_eyes, retina_rig, retinal_views
@@ -108,6 +109,7 @@ class ScenePicture:
         self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
         self.wireframe = display.wireframe  # draw edges of triangles
         self.bodies = True  # False: fishes are hidden, but not their diagrams
+        self.overlay: Fisheye | None = None  # a picture over the sea
         self.labels: Sequence[Label] = ()  # of diagrams
         self.lens: tuple[Exposure, int] | None = None  # and the number of a point on it
         self.viewports: tuple[TextViewport, ...]  # for text
@@ -326,13 +328,13 @@ class ScenePicture:
         """The views from the submarine, or from the ridden fish."""
         rig = self.rig if self.head is None else self.head.moved(self.rig)
         if self.ride is None and self.lens is not None:
-            return self.lens[0].through_lens(views(rig, self._observer), self.lens[1])
+            return self.lens[0].through_lens(views(rig, self.observer), self.lens[1])
         if self.ride is None:
-            return views(rig, self._observer)
+            return views(rig, self.observer)
         return self.ride.views(self._world, rig, self.insets, self.alpha)
 
     @property
-    def _observer(self) -> CameraPose:
+    def observer(self) -> CameraPose:
         """The pose that carries the eyes of the rig."""
         if self.ride is not None:
             return self.ride.observer(self._world, self.alpha)
@@ -352,7 +354,7 @@ class ScenePicture:
     def front_view(self) -> FrontView | None:
         """The view on the screen ahead; None if that is not a flat picture."""
         if self.head is not None:
-            return self.head.front_view(self.rig, levelled(self._observer))
+            return self.head.front_view(self.rig, levelled(self.observer))
         return front_screen(self.rig, self._seen or self.views())
 
     def fish_at(self, x: float, y: float) -> int | None:
@@ -434,6 +436,7 @@ class ScenePicture:
         lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
         self.renderer.wireframe, self.renderer.bodies = self.wireframe, self.bodies
         self.renderer.vessel.shown = ride is None
+        self.renderer.overlay.shown = self.overlay
         packet = pack(
             self._world, seen, self.alpha, options=quality.packing,
             memory=self._memory, lines=lines, pilot=self.eye,

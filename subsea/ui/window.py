@@ -114,7 +114,7 @@ class GlWindow:
             raise UserError(
                 f"no window with OpenGL 3.3 ({reason(fault)}); {opengl_remedy(INSTALL_WINDOW)}"
             ) from fault
-        self.pilot = pilot
+        self.pilot, self.name = pilot, screen.name
         self.inside = False  # True if the pointer is in it
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
         self.listener: Gui | None = None

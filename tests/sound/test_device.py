@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from subsea.sound import device
-from subsea.sound.device import MOST_WAITING, Player, open_device
+from subsea.sound.device import MOST_WAITING, Player, open_capture, open_device
 from subsea.sound.mixer import SoundLevels
-from subsea.sound.space import BLOCK, LAYOUTS
+from subsea.sound.space import BLOCK, LAYOUTS, RATE
 from tests.sound.conftest import mixed
 
 STEREO = LAYOUTS["stereo"]
@@ -140,3 +140,23 @@ def _zeros():
     number = yield b""
     while True:
         number = yield np.zeros((number, 2), np.float32)
+
+
+def _heard(parts):
+    while True:
+        parts.append((yield))
+
+
+def test_a_device_is_heard_and_one_that_is_missing_is_named():
+    parts = []
+    samples = _heard(parts)
+    next(samples)
+    opened = open_capture("", samples, ["NULL"])
+    end = time.monotonic() + 20.0
+    while len(parts) < 3:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    opened.close()
+    assert {len(part) for part in parts} == {4 * round(0.02 * RATE)}
+    with pytest.raises(OSError, match=r"no sound device 'line 7' to hear \(there: "):
+        open_capture("line 7", samples, ["NULL"])

@@ -6,14 +6,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.stage.cues.tables import TimecodeIn
+from subsea.stage.opening_hours import OpeningHours, SpecialDay
 from subsea.stage.show_file import (
-    OpeningHours,
     Show,
     ShowClock,
     ShowItem,
     advance,
     begin,
     next_item,
+    place_at,
     resume,
     timetable,
     waits_for,
@@ -69,7 +71,7 @@ def test_a_show_that_does_not_repeat_stays_at_its_end():
     once = Show(repeat=False, item=[ShowItem(scenario="a", for_s=5.0)])
     now, progress = play(once, clock(NINE), begin(once, clock(NINE)), 60)
     assert (progress.item, progress.elapsed_s) == (0, 60.0)
-    assert next_item(once, 0) is None
+    assert next_item(once, 0, NINE.date()) is None
     assert advance(once, progress, now, 0.0, cue=True).item == 0
 
 
@@ -156,7 +158,7 @@ def test_after_a_power_cut_it_goes_on_at_the_second():
 
 
 def test_the_timetable_knows_what_the_clock_tells():
-    assert [text for text, _ in timetable(MORNING)] == [
+    assert [text for text, _ in timetable(MORNING, NINE.date())] == [
         "first", "after item 1", "on cue", "10:30", "10:40",
     ]  # fmt: skip
 
@@ -260,3 +262,105 @@ def test_screens_that_are_held_stay_black():
     for _ in range(6):
         player.update(0.2)
     assert player.shade == 0.0 and player.caption() == ("Look", 1.0)
+
+
+WEEK = Show(
+    special_day=[SpecialDay(title="Carnival", yearly="11-25")],
+    item=[
+        ShowItem(scenario="a", days=["monday", "tuesday"], for_s=60.0),
+        ShowItem(scenario="b", for_s=60.0),
+        ShowItem(scenario="c", days=["Carnival"], start="10:30", for_s=60.0),
+        ShowItem(scenario="d", days=["saturday"], start="10:30"),
+    ],
+)
+
+
+@pytest.mark.parametrize(
+    ("day", "items", "table"),
+    [
+        (23, [0, 1, 0, 1], ["first", "after item 1"]),  # a Monday
+        (25, [1, 1, 1, 1], ["first", "10:30"]),  # a Wednesday
+        (28, [1, 1, 1, 1], ["first", "10:30"]),  # a Saturday
+    ],
+)
+def test_items_are_on_at_their_days(day, items, table):
+    now = clock(datetime(2026, 11, day, 9, 0))
+    progress, seen = begin(WEEK, now), []
+    for _ in range(4):
+        seen.append(progress.item)
+        now, progress = play(WEEK, now, progress, 60)
+    assert seen == items
+    assert [text for text, _ in timetable(WEEK, now.local.date())] == table
+    at_ten = begin(WEEK, clock(datetime(2026, 11, day, 10, 30, 5)))
+    assert at_ten.item == {23: 0, 25: 2, 28: 3}[day]
+
+
+def test_an_item_ends_with_its_day():
+    show = Show(item=[ShowItem(scenario="a", days=["monday"]), ShowItem(scenario="b", start="cue")])
+    now = clock(datetime(2026, 11, 23, 23, 59, 30))
+    progress = begin(show, now)
+    now, progress = play(show, now, progress, 29)
+    assert progress.item == 0
+    _, progress = play(show, now, progress, 2)
+    assert progress.item == 1
+
+
+CHASED = Show(
+    fade_s=0.0,
+    timecode=TimecodeIn(source="ltc"),
+    item=[
+        ShowItem(scenario="a"),
+        ShowItem(scenario="b", start="01:00:00:00", for_s=30.0),
+        ShowItem(scenario="c", for_s=10.0),
+        ShowItem(scenario="d", start="01:02:00:00"),
+    ],
+)
+
+
+def test_a_timecode_says_which_item_is_on():
+    places = {0.0: None, 3599.9: None, 3600.0: (1, 0.0), 3615.0: (1, 15.0), 3635.0: (2, 5.0),
+              3700.0: (2, 70.0), 3721.0: (3, 1.0), 9000.0: (3, 5280.0)}  # fmt: skip
+    for time_s, place in places.items():
+        assert place_at(CHASED, time_s, NINE.date()) == place
+
+
+def test_a_timecode_starts_items_and_a_cue_holds_until_the_next():
+    running = Running(CHASED)
+    player = running.player
+
+    def heard(time_s, jumps=1):
+        player.follow(time_s, jumps)
+        running.go(0.1)
+        return player.progress.item
+
+    assert heard(None, 0) == 0 and heard(100.0) == 0
+    assert heard(3600.0) == 1
+    player.next_cue()
+    assert heard(3601.0) == 2 and heard(3610.0) == 2  # the presenter is ahead
+    assert heard(3631.0) == 2 and player.progress.elapsed_s == pytest.approx(1.0, abs=0.2)
+    assert heard(3720.0) == 3
+    assert heard(3601.0, 2) == 1  # it has jumped back
+    player.go_to(3)
+    running.go(0.1)
+    assert heard(3602.0, 2) == 3 and heard(3602.0, 3) == 1  # the same item, after a jump
+    assert heard(None, 3) == 1
+    running.go(40.0)  # it has stopped: the show goes on alone
+    assert player.progress.item == 2
+
+
+def test_captions_of_several_languages_follow_each_other():
+    words = {"de": "Guten Tag", "en": "Good day"}
+    show = Show(
+        fade_s=0.0, languages=["de", "en"],
+        item=[ShowItem(scenario="a", caption=words, caption_s=2.0)],
+    )  # fmt: skip
+    player = ShowPlayer(show, lambda line: None, clock=lambda: clock(NINE, 0.0))
+    player.show_item(0)
+    said = []
+    for _ in range(25):
+        player.update(0.2)
+        said.append(player.caption().words)
+    assert said[:9] == ["Guten Tag"] * 9 and said[11:19] == ["Good day"] * 8
+    assert set(said[21:]) == {""}
+    item = ShowItem(scenario="a", caption=words)
+    assert item.caption_in("de") == "Guten Tag" and item.caption_in("ja") == "Good day"

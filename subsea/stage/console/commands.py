@@ -55,6 +55,42 @@ class NextItem(PresenterCommand, frozen=True, tag="next-item"):
     """The command `next-item`."""
 
 
+class GoToItem(PresenterCommand, frozen=True, tag="item"):
+    """The command `item`."""
+
+    number: Annotated[int, Meta(ge=1, le=200, description="from 1")]
+
+
+class EditItem(PresenterCommand, frozen=True, tag="edit-item"):
+    """The command `edit-item`."""
+
+    number: Annotated[int, Meta(ge=1, le=200, description="from 1")]
+    key: Annotated[
+        Literal["start", "for_s", "caption", "caption_s", "fade_s", "tour", "days"],
+        Meta(description="start, for_s, caption, caption_s, fade_s, tour or days"),
+    ]
+    value: Annotated[
+        str, Meta(max_length=400, description="a TOML value or a text; empty: without the key")
+    ]
+
+
+class AddSpecialDay(PresenterCommand, frozen=True, tag="special-day"):
+    """The command `special-day`."""
+
+    date: Annotated[str, Meta(max_length=10, description="such as 2026-12-24, or each year 12-24")]
+    title: Annotated[str, Meta(max_length=100, description="its name, which may be empty")]
+    hours: Annotated[str, Meta(max_length=100, description="such as 10:00-14:00, or closed")] = (
+        "closed"
+    )
+    days: Annotated[int, Meta(ge=1, le=366, description="on end; 1 if it is left out")] = 1
+
+
+class RemoveSpecialDay(PresenterCommand, frozen=True, tag="remove-special-day"):
+    """The command `remove-special-day`."""
+
+    number: Annotated[int, Meta(ge=1, le=400, description="from 1, in the order of the file")]
+
+
 class ShowCaption(PresenterCommand, frozen=True, tag="caption"):
     """The command `caption`."""
 
@@ -187,6 +223,10 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     StopTour: "End the tour",
     StartCue: "Start a direction of the scenario now, whatever its conditions",
     NextItem: "Go on to the next item of the show",
+    GoToItem: "Go to an item of the show",
+    EditItem: "Change a key of an item in the file of the show, from its next start on",
+    AddSpecialDay: "Add a special day to the file of the show",
+    RemoveSpecialDay: "Remove a special day from the file of the show",
     ShowCaption: "Show a caption; an empty one ends the one before",
     FollowFish: "Look at a fish from behind",
     RideFish: "Look through the eyes of a fish",

@@ -110,6 +110,7 @@ class HttpConsole:
         for path in ASSETS:
             app.router.add_get(path, self._asset)
         app.router.add_get("/health", self._health)
+        app.router.add_get("/metrics", self._metrics)
         app.router.add_post("/login", self._login)
         app.router.add_post("/logout", self._logout)
         app.router.add_get("/words", self._words)
@@ -205,6 +206,12 @@ class HttpConsole:
             answer["frame_age_s"] = None if age == float("inf") else round(age, 3)
             answer |= json.loads(self._board.health)
         return web.json_response(answer, status=200 if alive else 503)
+
+    async def _metrics(self, request: web.Request) -> web.Response:
+        """Give figures in the text format of Prometheus."""
+        board = self._board
+        text = metrics(json.loads(board.health), board.alive, board.beat_age_s)
+        return web.Response(text=text, content_type="text/plain")
 
     async def _login(self, request: web.Request) -> web.Response:
         """Take the token of `{"token": …}`; the answer sets a cookie."""
@@ -307,6 +314,31 @@ def filled(text: str, token: bool = False, code: str = "en") -> str:
 def fault(status: int, reason: str) -> web.Response:
     """A refusal with its reason as JSON."""
     return web.json_response({"error": reason}, status=status)
+
+
+def metrics(health: dict[str, Any], alive: bool, frame_age_s: float) -> str:
+    """Write the figures of a dive as Prometheus reads them; one that is unknown is left out."""
+    last_fault, refusal = health.get("fault") or {}, health.get("refusal") or {}
+    loading = health.get("loading")
+    known = {
+        "alive": ("1 if a picture was drawn within ten seconds", int(alive)),
+        "frame_age_seconds": ("since the last picture", frame_age_s),
+        "up_seconds": ("since the start of the dive", health.get("up_s")),
+        "pictures_per_second": ("shown", health.get("pictures_a_s")),
+        "loading": ("1 while a scenario is opened", None if loading is None else int(loading)),
+        "fault_age_seconds": ("since the last fault", last_fault.get("ago_s")),
+        "refusal_age_seconds": ("since the last command was refused", refusal.get("ago_s")),
+    }
+    lines = []
+    for name, (about, value) in known.items():
+        if value is not None and value != float("inf"):
+            lines += [f"# HELP subsea_{name} {about}", f"# TYPE subsea_{name} gauge"]
+            lines.append(f"subsea_{name} {value}")
+    if nodes := health.get("nodes"):
+        name = "subsea_node_in_step"
+        lines += [f"# HELP {name} 1 if a node draws every picture", f"# TYPE {name} gauge"]
+        lines += [f'{name}{{node="{node}"}} {int(at)}' for node, at in nodes.items()]
+    return "\n".join(lines) + "\n"
 
 
 def same(given: str, known: str) -> bool:

@@ -1,22 +1,20 @@
 """The presenter's remote control of a dive: applies commands, publishes state and pictures."""
 
-import ctypes
 import time
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 
-from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, printable, unknown
 from subsea.base.progress import say
 from subsea.dive.directed_camera import is_directed
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
-from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish
+from subsea.stage import show_edit
 from subsea.stage.cluster.ticks import LeaderTicks
 from subsea.stage.console import commands
 from subsea.stage.console.board import Board
@@ -24,6 +22,7 @@ from subsea.stage.console.options import ConsoleOptions
 from subsea.stage.console.server import ConsoleServer
 from subsea.stage.line_up import TheatreLineUp
 from subsea.stage.show_player import ShowScreens
+from subsea.stage.small_picture import SmallPicture
 from subsea.ui.menu import scenario_summaries
 from subsea.view.front_screen import front_view
 from subsea.world.feeding import EVERY_S
@@ -38,60 +37,18 @@ MOST_A_FRAME = 4  # commands
 STALL_S = 1.0  # a picture that takes longer is a fault
 NEAREST = "nearest"
 SHARED = "several computers show this dive, which nothing but the pilot's input may change"
-# OpenGL enums
-READ_FRAMEBUFFER, DRAW_FRAMEBUFFER, COLOR_BIT, LINEAR = 0x8CA8, 0x8CA9, 0x4000, 0x2601
-
-
-class SmallPicture(GpuOwner):
-    """Shrinks the screen of a context on the GPU, and reads the copy a frame later."""
-
-    def __init__(self, context: Any, width: int) -> None:
-        """Copies are `width` pixels wide at most, and as high as the window's shape says."""
-        super().__init__()
-        self._context, self._width = context, width
-        self._size = (0, 0)
-        self._copied = False
-        self._blit = gl_function(
-            context, "glBlitFramebuffer", *[ctypes.c_int] * 8, ctypes.c_uint, ctypes.c_uint
-        )
-        self._bind = gl_function(context, "glBindFramebuffer", ctypes.c_uint, ctypes.c_uint)
-
-    def copy(self, window: tuple[int, int]) -> None:
-        """Begin to copy the screen, whose size is that of the `window` in pixels."""
-        context, width = self._context, min(self._width, window[0])
-        size = width, max(round(width * window[1] / window[0]), 1)
-        if size != self._size:
-            self.release()
-            self._size = size
-            texture = self.own(context.texture(size, 4))
-            self._small = self.own(context.framebuffer([texture]))
-            self._buffer = self.own(context.buffer(reserve=4 * size[0] * size[1]))
-        self._bind(READ_FRAMEBUFFER, context.screen.glo)
-        self._bind(DRAW_FRAMEBUFFER, self._small.glo)
-        self._blit(0, 0, *window, 0, 0, *size, COLOR_BIT, LINEAR)
-        self._small.read_into(self._buffer, components=4)
-        context.screen.use()
-        context.error  # clear it: moderngl asks for an attachment that windows lack  # noqa: B018
-        self._copied = True
-
-    def read(self) -> Bytes | None:
-        """The copy (h, w, 4) that was begun last, top row first, once; None if there is none."""
-        if not self._copied:
-            return None
-        self._copied = False
-        width, height = self._size
-        return np.frombuffer(self._buffer.read(), np.uint8).reshape(height, width, 4)[::-1]
 
 
 class RemoteControl:
     """Applies commands of the board between two frames, and publishes the dive on it."""
 
     def __init__(
-        self, dive: "Dive", board: Board, server: ConsoleServer, show: ShowScreens | None = None,
-        line_up: TheatreLineUp | None = None,
+        self, dive: "Dive", board: Board, server: ConsoleServer | None,
+        show: ShowScreens | None = None, line_up: TheatreLineUp | None = None,
     ) -> None:  # fmt: skip
-        """`server` serves the board; `show` and `line_up` are those of the dive."""
+        """`server` serves the board, None: nobody; `show` and `line_up` are those of the dive."""
         self.presented = NOTHING  # over the picture
+        self.board = board
         self._dive, self._board, self._server, self._show = dive, board, server, show
         self._line_up = line_up
         self._rate = 0.0  # pictures a second
@@ -128,7 +85,7 @@ class RemoteControl:
             self._rate = self._frames / (now - self._state_s)
             self._publish(self._rate)
             self._frames, self._state_s = 0, now
-        if ended := self._server.check():
+        if self._server is not None and (ended := self._server.check()):
             self._dive.faults.say(ended)
 
     def beat(self) -> None:
@@ -146,7 +103,8 @@ class RemoteControl:
 
     def close(self) -> None:
         """Stop the server, and release the small picture."""
-        self._server.close()
+        if self._server is not None:
+            self._server.close()
         self._small.release()
 
     def _apply(self, command: commands.PresenterCommand) -> str:
@@ -164,10 +122,22 @@ class RemoteControl:
             case commands.StartCue(number):
                 return self._start_cue(number)
             case commands.NextItem():
-                if self._show is None:
-                    raise UserError("no show is played: begin the dive with --playlist FILE")
-                self._show.cue()
+                self._played.cue()
                 return "on to the next item"
+            case commands.GoToItem(number):
+                self._played.go_to(number - 1)
+                return f"on to item {number}"
+            case commands.EditItem(number, key, value):
+                played = self._played
+                played.take(show_edit.edit_item(played.path, number - 1, key, value))
+                return f"item {number}: `{key}` is {value or 'left out'}"
+            case commands.AddSpecialDay(date, title, hours, days):
+                day = show_edit.special_day(date, title, hours, days)
+                self._played.take(show_edit.add_special_day(self._played.path, day))
+                return f"added {title or date}"
+            case commands.RemoveSpecialDay(number):
+                self._played.take(show_edit.remove_special_day(self._played.path, number - 1))
+                return f"removed special day {number}"
             case commands.ShowCaption(text, seconds):
                 words = " ".join(printable(text.replace("\n", " ")).split())
                 self._presentation.show_caption(words, seconds or None)
@@ -203,6 +173,13 @@ class RemoteControl:
                     dive.picture.show_pattern(dive.overlay.help_hidden)
                 return "the screens show the test pattern" if on else "the screens show the sea"
         raise NotImplementedError(type(command).__name__)
+
+    @property
+    def _played(self) -> ShowScreens:
+        """The show; a UserError without one."""
+        if self._show is None:
+            raise UserError("no show is played: begin the dive with --playlist FILE")
+        return self._show
 
     def _open_scenario(self, name: str) -> str:
         dive = self._dive

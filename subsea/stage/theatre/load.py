@@ -18,7 +18,7 @@ from subsea.stage.theatre.mesh_formats import FORMATS, MAX_BYTES, read_mesh
 from subsea.stage.theatre.mpcdi import read_mpcdi
 from subsea.stage.theatre.ndisplay import read_ndisplay
 from subsea.stage.theatre.sgct import read_sgct
-from subsea.stage.theatre.theatre_file import FOLDER, Archive, Theatre, covers, viewport
+from subsea.stage.theatre.theatre_file import FOLDER, SLOTS, Archive, Theatre, covers, viewport
 from subsea.stage.theatre.vioso import vioso_maps, vioso_mesh
 from subsea.view.rig import overlap
 
@@ -175,9 +175,32 @@ def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
         if second.window == first.window and overlap(*places):
             message = f"channels {first.name!r} and {second.name!r} lie on one another in window "
             yield f"channel[{k}]", f"{message}{window.name!r}; expected viewports side by side"
+    yield from _lamp_faults(theatre)
     if theatre.cluster is None and len(theatre.nodes) > 1:
         message = f"windows are on the nodes {', '.join(theatre.nodes)}, expected a table [cluster]"
         yield "", f"{message} that says which of them is the `master`"
+
+
+def _lamp_faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
+    """Find lamps without a desk, or that take channels which are not there or taken."""
+    if theatre.lamp and theatre.lights is None:
+        yield "lamp[0]", "lamps need a table [lights] that says where their levels go"
+    highest = 32767 if theatre.lights is not None and theatre.lights.protocol == "artnet" else 63999
+    taken: dict[tuple[int, int], int] = {}
+    for k, lamp in enumerate(theatre.lamp):
+        if lamp.universe > highest or (lamp.universe == 0 and highest == 63999):
+            low = 0 if highest == 32767 else 1
+            message = f"universe {lamp.universe}, expected {low} to {highest}"
+            yield f"lamp[{k}].universe", f"lamp {lamp.name!r}: {message}"
+        if lamp.channels[-1] > SLOTS:
+            message = f"takes channels {lamp.channel} to {lamp.channels[-1]}, of {SLOTS}"
+            yield f"lamp[{k}].channel", f"lamp {lamp.name!r} {message}"
+        for channel in lamp.channels:
+            if (other := taken.setdefault((lamp.universe, channel), k)) != k:
+                names = f"{theatre.lamp[other].name!r} and {lamp.name!r}"
+                message = f"lamps {names} both take channel {channel}"
+                yield f"lamp[{k}].channel", f"{message} of universe {lamp.universe}"
+                break
 
 
 def _references(theatre: Theatre) -> Iterator[tuple[str, str, str, tuple[str, ...], str]]:

@@ -30,7 +30,7 @@ def parse_address(address: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6A
 
 
 FOLDER = "assets/theatres"
-MOST_WINDOWS, MOST_LOUDSPEAKERS = 64, 32
+MOST_WINDOWS, MOST_LOUDSPEAKERS, MOST_LAMPS = 64, 32, 256
 MOST_POINTS = 17  # a side of a grid of points
 MAIN = "main"  # the node of windows that name none
 
@@ -231,6 +231,51 @@ class Loudspeaker(_Table, frozen=True, kw_only=True):
     node: Name = MAIN  # the computer that it is connected to
 
 
+class Lights(_Table, frozen=True, kw_only=True):
+    """The desk that gets the levels of the room's lamps."""
+
+    protocol: Literal["artnet", "sacn"]
+    address: str | None = None  # None: of sACN multicast, of Art-Net this computer
+    port: Annotated[int, msgspec.Meta(ge=1, le=65535)] | None = None  # None: the protocol's
+    rate: Annotated[float, msgspec.Meta(ge=1, le=44)] = 30.0  # most packets a second
+    priority: Annotated[int, msgspec.Meta(ge=0, le=200)] = 100  # among sources of sACN
+    gain: Annotated[float, msgspec.Meta(ge=0.1, le=20)] = 2.0  # of the sea's light
+    dark: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0  # level while the screens are black
+
+    def __post_init__(self) -> None:
+        """Refuse host names: to look one up could take long."""
+        if self.address is not None:
+            try:
+                ipaddress.ip_address(self.address)
+            except ValueError:
+                message = f"address {self.address!r}: expected an IP address such as 192.168.1.30"
+                raise ValueError(message) from None
+
+
+SLOTS = 512  # levels in a universe
+LAMP_COLOURS = {"rgb": 3, "rgbw": 4, "white": 1}  # numbers of levels
+
+
+class Lamp(_Table, frozen=True, kw_only=True):
+    """A lamp of the room, which shines with the sea's light from its direction."""
+
+    name: Name
+    channel: Annotated[int, msgspec.Meta(ge=1, le=SLOTS)]  # its first one
+    universe: Annotated[int, msgspec.Meta(ge=0, le=63999)] = 1
+    colours: Literal["rgb", "rgbw", "white"] = "rgb"
+    fine: bool = False  # two channels for each colour: coarse, then fine
+    azimuth_deg: Angle = 0.0  # from straight ahead, right positive
+    elevation_deg: Annotated[float, msgspec.Meta(ge=-90, le=90)] = 0.0  # up positive
+    level: Annotated[float, msgspec.Meta(ge=0, le=1)] = 1.0  # at full light
+    gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 1.0  # light is its level to this power
+
+    @property
+    def channels(self) -> range:
+        """The channels that it takes, from 1."""
+        number = LAMP_COLOURS[self.colours] * (2 if self.fine else 1)
+        return range(self.channel, self.channel + number)
+
+
 class VesselTable(_Table, frozen=True, kw_only=True):
     """The vessel drawn around the audience, at rest on the hull."""
 
@@ -269,6 +314,8 @@ class Theatre(_Table, frozen=True, kw_only=True):
     channel: Annotated[list[Channel], msgspec.Meta(max_length=MOST_WINDOWS)] = []
     mpcdi: Annotated[list[Archive], msgspec.Meta(max_length=MOST_WINDOWS)] = []
     loudspeaker: Annotated[list[Loudspeaker], msgspec.Meta(max_length=MOST_LOUDSPEAKERS)] = []
+    lights: Lights | None = None
+    lamp: Annotated[list[Lamp], msgspec.Meta(max_length=MOST_LAMPS)] = []
     cluster: Cluster | None = None
     room: Room | None = None
     vessel: VesselTable | None = None

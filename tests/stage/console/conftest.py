@@ -38,6 +38,17 @@ STATE: dict[str, Any] = {
     "nodes": [{"name": "left", "connected": True, "in_step": True, "last_ms": 1.25, "mean_ms": 2.0,
                "longest_ms": 9.0, "late": 0, "dropped": 0, "diverged": 0}],
     "projectors": None, "loading": False, "pictures_a_s": 59.9, "up_s": 100.0, "fault": None,
+    "show": {
+        "title": "Afternoons", "item": 2, "items": 2, "open": True, "elapsed_s": 30.0,
+        "next": "cue", "hours": "open 10:00 to 17:00",
+        "programme": [
+            {"scenario": "bay", "tour": "reef", "start": "after", "for_s": 60.0, "languages": 1,
+             "caption": "Good morning", "on": True},
+            {"scenario": None, "tour": None, "start": "cue", "for_s": None, "languages": 2,
+             "caption": "Here they come", "on": False},
+        ],
+        "special_days": [{"title": "Gala", "when": "each 12-24", "hours": "closed", "now": True}],
+    },
 }  # fmt: skip
 
 

@@ -60,6 +60,27 @@ def test_a_command_that_is_not_taken_is_withdrawn(console, monkeypatch):
     assert [type(one).__name__ for one in console.dive.taken] == ["StopTour"]
 
 
+def test_prometheus_reads_figures(guarded):
+    assert guarded.ask("/metrics")[0] == 401
+    status, data, headers = guarded.ask("/metrics", Authorization=f"Bearer {TOKEN}")
+    assert status == 200 and headers.get_content_type() == "text/plain"
+    lines = [line for line in data.decode().splitlines() if not line.startswith("#")]
+    values = {name: float(value) for name, value in (line.split(" ") for line in lines)}
+    assert values["subsea_alive"] == 1.0 and values["subsea_up_seconds"] == 100.0
+    assert 0.0 <= values["subsea_frame_age_seconds"] < 10.0
+
+
+def test_figures_of_nodes_and_faults():
+    health = {"fault": {"text": "a", "ago_s": 3.5}, "loading": True, "nodes": {"left": False}}
+    lines = http.metrics(health, False, float("inf")).splitlines()
+    assert [line for line in lines if not line.startswith("#")] == [
+        "subsea_alive 0", "subsea_loading 1", "subsea_fault_age_seconds 3.5",
+        'subsea_node_in_step{node="left"} 0',
+    ]  # fmt: skip
+    assert lines[0] == "# HELP subsea_alive 1 if a picture was drawn within ten seconds"
+    assert lines[1] == "# TYPE subsea_alive gauge"
+
+
 def test_health_tells_whether_pictures_are_drawn(guarded, monkeypatch):
     status, said, _ = guarded.ask("/health")
     assert (status, said) == (200, {"status": "ok"})  # no more for strangers

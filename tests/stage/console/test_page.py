@@ -6,10 +6,14 @@ import pytest
 
 from subsea.stage.console import board
 from subsea.stage.console.commands import (
+    AddSpecialDay,
     BlankScreens,
+    EditItem,
     FeedFishes,
     FollowFish,
+    GoToItem,
     OpenScenario,
+    RemoveSpecialDay,
     SetQuality,
     SetVolume,
     ShowCaption,
@@ -106,6 +110,40 @@ def test_every_control_sends_its_command(console, opened):
         taken(console, command)
 
 
+def test_a_presenter_leads_and_edits_the_programme(console, opened):
+    def fill(name, value):
+        opened.run(f"document.getElementById('{name}').value = '{value}'")
+
+    rows = "[...document.querySelectorAll('#items .words')].map(one => one.textContent)"
+    assert opened.run(rows) == [
+        "1. bay, reef, 60 s, Good morning", "2. cue, the same sea, Here they come, not today",
+    ]  # fmt: skip
+    assert (
+        opened.run("document.querySelector('#items [aria-current] .words').textContent[0]") == "2"
+    )
+    opened.run("document.querySelectorAll('#items button')[0].click()")
+    taken(console, GoToItem(1))
+    opened.run("document.querySelectorAll('#items button')[1].click()")
+    assert opened.run("document.activeElement.id") == "item-start"
+    fill("item-length", "90")
+    fill("item-caption", "Good evening")
+    opened.run("document.getElementById('item-form').requestSubmit()")
+    taken(console, EditItem(1, "for_s", "90"))
+    taken(console, EditItem(1, "caption", "Good evening"))
+    opened.until("document.getElementById('item-form').hidden")
+    assert not any(isinstance(one, EditItem) and one.key == "start" for one in console.dive.taken)
+    assert opened.run("document.querySelector('#days .words').textContent") == (
+        "Gala, each 12-24, closed, today"
+    )
+    opened.run("document.querySelector('#days button').click()")
+    taken(console, RemoveSpecialDay(1))
+    opened.run("document.querySelector('#show-card details').open = true")
+    fill("day-date", "2026-12-31")
+    fill("day-title", "New Year")
+    opened.run("document.getElementById('day-form').requestSubmit()")
+    taken(console, AddSpecialDay("2026-12-31", "New Year", "closed"))
+
+
 def test_the_screens_become_blank_by_keyboard_alone(console, opened):
     assert opened.run("document.getElementById('blank').ariaPressed") == "false"
     for _ in range(30):
@@ -165,7 +203,8 @@ def test_a_refusal_is_read_aloud(console, opened):
 def test_text_has_contrast_and_controls_room_for_a_finger(opened):
     assert opened.run(CONTRASTS) == []
     small = opened.run(
-        "[...document.querySelectorAll('button, select, textarea, input[type=range]')]"
+        "[...document.querySelectorAll('button, select, textarea, summary, input[type=range],"
+        " input[type=text]')]"
         ".filter(one => one.offsetParent && one.getBoundingClientRect().height < 44)"
         ".map(one => one.id || one.textContent)"
     )

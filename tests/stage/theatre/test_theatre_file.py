@@ -179,3 +179,32 @@ def test_an_address_is_read_as_it_is_written(ip, port):
 def test_any_other_address_is_refused(text):
     with pytest.raises(ValueError, match="expected an IP address and a port"):
         parse_address(text)
+
+
+LIGHTS = '[lights]\nprotocol = "artnet"\n'
+LAMP = '[[lamp]]\nname = "one"\nchannel = 510\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        (LAMP, 8, r"lamps need a table \[lights\]"),
+        (LIGHTS + LAMP + "fine = true\n", 12, "lamp 'one' takes channels 510 to 515, of 512"),
+        (LIGHTS + LAMP + LAMP.replace("one", "two"), 15, "lamps 'one' and 'two' both take channel"),
+        (LIGHTS + LAMP + "universe = 40000\n", 13, "universe 40000, expected 0 to 32767"),
+        (LIGHTS.replace("artnet", "sacn") + LAMP + "universe = 0\n", 13, "expected 1 to 63999"),
+        (LIGHTS + 'address = "desk"\n', 8, "'desk': expected an IP address"),
+        (LIGHTS + LAMP + 'colours = "cmy"\n', 13, "'rgb'"),
+    ],
+)
+def test_lamps_that_cannot_shine_are_refused(tmp_path, text, line, message):
+    path = written(tmp_path, WINDOW + CHANNEL + PLANE + text)
+    with pytest.raises(UserError, match=message) as refused:
+        load_theatre(path)
+    assert refused.value.line == line
+
+
+def test_lamps_side_by_side_are_taken(tmp_path):
+    text = LIGHTS + LAMP + LAMP.replace("one", "two").replace("510", "506") + "universe = 1\n"
+    theatre, _ = load_theatre(written(tmp_path, WINDOW + CHANNEL + PLANE + text))
+    assert [lamp.channels[-1] for lamp in theatre.lamp] == [512, 508]
