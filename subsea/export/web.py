@@ -139,6 +139,7 @@ def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     files |= {f"three/{name}": (three / name).read_bytes() for name in THREE}
     files["index.html"] = _index(scene).encode()
     files["water.glsl"] = water_code().encode()
+    files["shafts.glsl"] = _plain(source("shafts.frag", PAGE=1)).encode()
     files["caustics.bin"] = near_and_far(0).astype("<f2").tobytes()
     with ExitStack() as stack:
         glb = stack.enter_context(replacing(out / SCENE))
@@ -172,8 +173,13 @@ def find_three() -> Path:
 
 
 def water_code() -> str:
-    """Return the shader code of light in water, and `curved`, from light to the screen."""
-    code = source("optics.glsl", PAGE=1) + source("curve.glsl", GRADED=1, LINEAR=1)
+    """Return the shader code of light in water, of what sways, and from light to the screen."""
+    code = source("optics.glsl", PAGE=1) + source("sway.glsl")
+    return _plain(code + source("curve.glsl", GRADED=1, LINEAR=1))
+
+
+def _plain(code: str) -> str:
+    """Return shader code without what a browser sets or does not know."""
     lines = code.splitlines(keepends=True)
     return "".join(line for line in lines if not line.startswith(("#version", "#line")))
 
@@ -203,6 +209,7 @@ def _about(scene: Scene, size: int) -> dict[str, Any]:
         "file": SCENE,
         "bytes": size,
         "frames": scene.frames,
+        "loop": scene.seamless,
         "fps": scene.fps,
         "start_s": scene.start_s,
         "cuts": scene.camera.cuts,

@@ -22,9 +22,10 @@ from subsea.dive.directed_camera import tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.export import web
 from subsea.export.options import SceneOptions
-from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
+from subsea.export.recording import SceneFilmOptions, make_scene
 from subsea.export.scene import SceneExtent
 from subsea.export.statics import static_meshes
+from subsea.export.take import record_frames
 from subsea.export.web import WORDS
 from subsea.frame.packet import PackOptions, pack
 from subsea.media.film import instants
@@ -262,12 +263,41 @@ def test_in_a_frame_it_has_no_bars(page, site):
     assert page.run("document.getElementById('sea').clientHeight") == SIZE[1]
 
 
-def test_a_scene_that_repeats_fades_over_its_seam(opened):
+def test_a_scene_that_is_no_loop_fades_over_its_seam(opened):
     opened.run("viewer.length = 4; viewer.playing = true")
     shown = [float(opened.run(f"viewer.seconds = {at}, viewer.shown()")) for at in (0, 0.25, 2, 4)]
     assert shown == [0.0, 0.5, 1.0, 0.0]
     opened.run("viewer.playing = false")
     assert float(opened.run("viewer.seconds = 4, viewer.shown()")) == 1.0
+
+
+def test_a_loop_goes_on_without_a_seam(opened):
+    """Neither the picture fades, nor does the water's light jump."""
+    opened.run("viewer.about.loop = true; viewer.playing = true")
+    assert opened.run("viewer.seconds = 4, viewer.shown()") == 1
+    length = (FRAMES - 1) / FPS
+    opened.run(f"viewer.seek({length - 0.1}); viewer.before = 0; viewer.go(0.3); viewer.draw()")
+    assert opened.run("viewer.seconds") == pytest.approx(0.2)
+    assert opened.run("viewer.water.uniforms.u_time.value") == pytest.approx(START_S + length + 0.2)
+
+
+def test_light_falls_in_shafts(opened):
+    """The map of the shafts about the sun is that of the dive's shader: dark and bright, mean 0."""
+    opened.run("viewer.draw()")
+    values = opened.run(
+        """(async () => {
+      const { renderer, water } = viewer, [wide, high] = [320, 16];
+      const raw = new Uint16Array(4 * wide * high);
+      renderer.readRenderTargetPixels(water.map, 0, 0, wide, high, raw);
+      const THREE = await import("three");
+      return [...raw].filter((_, k) => k % 4 === 0).map(one => THREE.DataUtils.fromHalfFloat(one));
+    })()"""
+    )
+    shafts = np.array(values).reshape(16, 320)
+    assert np.abs(shafts).max() > 0.02
+    assert abs(shafts.mean()) < 0.3 * np.abs(shafts).max()
+    turned = np.abs(np.diff(shafts, axis=1)).max(), np.abs(np.diff(shafts, axis=0)).max()
+    assert turned[0] > 1e-3  # shafts lie side by side about the sun
 
 
 def test_it_speaks_the_language_of_the_browser(page, site):
@@ -334,7 +364,7 @@ def test_options_of_other_formats_and_other_folders_are_refused(written, tmp_pat
     check(written.folder, SceneOptions())
     with pytest.raises(UserError, match="is a file, expected a folder"):
         check(tmp_path / "thesis.txt", SceneOptions())
-    extent = SceneExtent(frames=10, fishes=4, species=1, vertices=600, triangles=1000)
+    extent = SceneExtent(frames=10, fps=15.0, fishes=4, species=1, vertices=600, triangles=1000)
     assert web.WRITER.estimate(extent, SceneOptions()) > web.PAGE_BYTES
 
 
