@@ -59,10 +59,11 @@ async function loaded(path, bytes) {
   return whole.buffer;
 }
 
-async function caustics() {
-  const data = new Uint16Array(await (await fetched("caustics.bin")).arrayBuffer());
-  const size = Math.round(Math.sqrt(data.length / 2));
-  const texture = new THREE.DataTexture(data, size, size, THREE.RGFormat, THREE.HalfFloatType);
+// A square texture that repeats, of a file that holds nothing but its texels.
+async function repeating(path, Numbers, format, type) {
+  const data = new Numbers(await (await fetched(path)).arrayBuffer());
+  const size = Math.round(Math.sqrt(data.length / (format === THREE.RGFormat ? 2 : 4)));
+  const texture = new THREE.DataTexture(data, size, size, format, type);
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.magFilter = THREE.LinearFilter;
   texture.minFilter = THREE.LinearMipmapLinearFilter;
@@ -319,11 +320,14 @@ async function main() {
     return;
   }
   const text = path => fetched(path).then(answer => answer.text());
-  const [code, shafts, texture, data] = await Promise.all([
-    text("water.glsl"), text("shafts.glsl"), caustics(), loaded(about.file, about.bytes),
+  const [code, shafts, caustics, relief, data] = await Promise.all([
+    text("water.glsl"), text("shafts.glsl"),
+    repeating("caustics.bin", Uint16Array, THREE.RGFormat, THREE.HalfFloatType),
+    repeating("relief.bin", Uint8Array, THREE.RGBAFormat, THREE.UnsignedByteType),
+    loaded(about.file, about.bytes),
   ]);
   const gltf = await new GLTFLoader().parseAsync(data, "");
-  const viewer = new Viewer(about, renderer, new Water(about.water, code, texture, shafts), gltf);
+  const viewer = new Viewer(about, renderer, new Water(about.water, code, { caustics, relief }, shafts), gltf);
   viewer.draw();
   part("loading").hidden = true;
   viewer.play(viewer.length > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches);

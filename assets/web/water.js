@@ -5,10 +5,21 @@ const CM = 100;
 const LEAF = 0.4; // share of the light on a leaf that shines through
 const SHAFTS = [320, 16], SAMPLES = 16; // of the map of light shafts: its size, and looks for each texel
 
+// Stone is rough with what grows on it, as in the dive, from all three sides.
+const CRUST = `
+  vec3 share = facing * facing;
+  share *= share;
+  share /= share.x + share.y + share.z;
+  vec3 slope;
+  vec2 shape = relief_at(v_sea / RELIEF_CM, share, slope);
+  facing = normalize(facing - slope + facing * dot(slope, facing));
+  diffuseColor.rgb *= clamp(1.0 + 0.6 * shape.x, 0.35, 1.4) * (1.0 + 0.25 * shape.y);`;
+
 export class Water {
   // `about` is the scene's "water": uniforms of water.glsl, those of the eye at steps of depth, and
-  // the rows of the turn from the page's axes to the dive's. `shafts` is the code of their map.
-  constructor(about, code, caustics, shafts) {
+  // the rows of the turn from the page's axes to the dive's. `textures` are its caustics and the relief of stone, `shafts` is
+  // the code of their map.
+  constructor(about, code, textures, shafts) {
     this.about = about;
     this.code = code;
     this.turn = new THREE.Matrix3().set(...about.axes.flat());
@@ -16,7 +27,8 @@ export class Water {
       u_eye: { value: new THREE.Vector3() },
       u_turn: { value: this.turn },
       u_time: { value: 0 },
-      u_caustics: { value: caustics },
+      u_caustics: { value: textures.caustics },
+      u_relief: { value: textures.relief },
     };
     for (const [name, value] of Object.entries(about.steady)) this.uniforms[name] = this.uniform(value);
     for (const [name, values] of Object.entries(about.by_depth)) this.uniforms[name] = this.uniform(values[0]);
@@ -74,6 +86,7 @@ export class Water {
       name: old.name, color: old.color, map: old.map, vertexColors: old.vertexColors, side: old.side,
       transparent: old.transparent, alphaTest: Math.max(old.alphaTest, 0.05),
     });
+    const stone = old.name === "stone";
     const leaf = old.side === THREE.DoubleSide && !old.map ? LEAF : 0;
     material.onBeforeCompile = shader => {
       Object.assign(shader.uniforms, this.uniforms);
@@ -110,13 +123,14 @@ export class Water {
           varying vec3 v_veil;`)
         .replace("#include <opaque_fragment>", `
           vec3 facing = normalize(u_turn * inverseTransformDirection(normal, viewMatrix));
+          ${stone ? CRUST : ""}
           vec3 light = light_on(v_sea, facing, 0.25);
           // What is thin glows with the light that falls on its other side.
           light += max(2.0 * (1.0 - diffuseColor.a), ${leaf.toFixed(1)}) * sunlight_at(v_sea.z) * max(dot(-facing, SUN), 0.2);
           vec3 seen = EXPOSURE * diffuseColor.rgb * light * v_clear + v_veil;
           gl_FragColor = vec4(curved(seen), diffuseColor.a);`);
     };
-    material.customProgramCacheKey = () => `water ${leaf}`;
+    material.customProgramCacheKey = () => `water ${leaf} ${stone}`;
     return material;
   }
 

@@ -118,14 +118,14 @@ class GltfFile:
             self._sheets[model.name] = (
                 self.image(f"{model.name}_basecolor", model.sheet),
                 None if shine is None else self.image(f"{model.name}_metal", shine),
-                None if relief is None else self.image(f"{model.name}_normal", relief),
+                None if relief is None else self.image(f"{model.name}_normal", relief, True),
             )
         return self._sheets[model.name]
 
-    def image(self, name: str, pixels: Bytes) -> int:
+    def image(self, name: str, pixels: Bytes, exact: bool = False) -> int:
         """Add an image (h, w, 3 or 4), bottom row first; return its number."""
         webp = self.buffer.packing.kind == MESHOPT
-        data = sheet_webp(pixels) if webp else sheet_png(pixels)
+        data = sheet_webp(pixels, exact) if webp else sheet_png(pixels)
         kind = "image/webp" if webp else "image/png"
         self._images.append({"name": name, "bufferView": self.buffer.view(data), "mimeType": kind})
         return len(self._images) - 1

@@ -72,7 +72,7 @@ WRITERS = {
 }
 LIMIT_BYTES = 1_000_000_000  # beyond it --force is needed
 MAX_OFF_CM = 0.001  # of a replayed fish from its record, which has single precision
-EASED = 0.25  # of its fastest speed: a fish that is moved faster than this is not home in time
+EASED = 0.35  # of its fastest speed: a fish that is moved faster than this is not home in time
 
 Announce = Callable[[SceneExtent], object]
 

@@ -69,9 +69,9 @@ def tangents(points: Array, normals: Array, uv: Array, triangles: Ints) -> Array
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)
     sums, ups = np.zeros((2, len(points), 3))
     for k in range(3):
-        arms = [corner[:, (k + step) % 3] - corner[:, k] for step in (1, 2)]
-        sine = np.linalg.norm(np.cross(*arms), axis=1)
-        angle = np.arctan2(sine, (arms[0] * arms[1]).sum(axis=1))[:, None]
+        left, right = (corner[:, (k + step) % 3] - corner[:, k] for step in (1, 2))
+        sine = np.linalg.norm(np.cross(left, right), axis=1)
+        angle = np.arctan2(sine, (left * right).sum(axis=1))[:, None]
         np.add.at(sums, triangles[:, k], angle * ahead)
         np.add.at(ups, triangles[:, k], angle * upward)
     way = sums - normals * (sums * normals).sum(axis=1, keepdims=True)

@@ -10,7 +10,6 @@ from subsea.base.arrays import Array
 from subsea.base.progress import progress
 from subsea.dive.captions import caption_of
 from subsea.dive.directed_camera import is_cut
-from subsea.dive.tour import Steer
 from subsea.export.conventions import continuous
 from subsea.export.plant_motion import key_frames
 from subsea.export.scene import SceneCamera
@@ -21,6 +20,7 @@ from subsea.view.camera import FAR_CM, NEAR_CM
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit, display_rig
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.rig import CameraPose, views
+from subsea.world.step import Order
 from subsea.world.world import World
 
 POSES = [ROW_A, ROW_B]
@@ -38,7 +38,7 @@ class Take(NamedTuple):
 
 
 def record_frames(
-    world: World, times: Sequence[float], steer: Steer, follow: int | None,
+    world: World, times: Sequence[float], steer: Callable[[World], Order], follow: int | None,
     rate: float, size: tuple[int, int], after: Callable[[], None] = lambda: None,
 ) -> tuple[list[Take], SceneCamera]:  # fmt: skip
     """Step a world through the instants `times`; return what each frame shows, and the camera.
