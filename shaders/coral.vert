@@ -1,5 +1,6 @@
 // Corals, sponges and anemones. What is soft sways with the water.
 #include "optics.glsl"
+#include "sway.glsl"
 
 in vec3 a_position;
 in vec4 a_normal;  // and sway
@@ -24,12 +25,7 @@ const float MOST_SWAY_CM = 10.0;
 
 void main() {
     vec3 place = a_position;
-    // A slow swell that all feel, and flutter of each tip's own.
-    float swell = dot(place, vec3(0.011, 0.017, 0.006)) - 1.1 * u_time;
-    float flutter = dot(place, vec3(0.31, 0.23, 0.17)) - 2.3 * u_time;
-    vec3 way = vec3(sin(swell), 0.6 * sin(0.83 * swell + 1.0), 0.0);
-    way += 0.35 * vec3(sin(flutter), cos(0.9 * flutter + 1.0), 0.4 * sin(1.3 * flutter));
-    place += MOST_SWAY_CM * a_normal.w * way;
+    place += MOST_SWAY_CM * a_normal.w * sway_at(place);
     v_world = place;
     v_normal = 2.0 * a_normal.xyz - 1.0;
     v_colour = vec4(a_colour.rgb * a_colour.rgb, a_colour.a);

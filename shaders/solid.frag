@@ -1,12 +1,11 @@
 // Stone under water: little of it is bare, most is a crust of what grows on it.
 #include "optics.glsl"
 #include "bites.glsl"
+#include "relief.glsl"
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
 #endif
-
-uniform sampler2D u_relief;  // height, its slopes, polyps
 
 in vec3 v_world;
 in vec3 v_normal;
@@ -15,7 +14,6 @@ in vec3 v_cover;
 in vec3 v_clear;
 in vec3 v_veil;
 
-const vec4 RELIEF_SPAN = vec4(3.2, 3.2, 3.2, 2.0);  // of the texture's bytes, about 0
 const vec3 DARK = vec3(0.23, 0.17, 0.13);
 const vec3 OCHRE = vec3(0.56, 0.40, 0.22);
 const vec3 CREAM = vec3(0.70, 0.60, 0.45);
@@ -25,17 +23,6 @@ const vec3 VIOLET = vec3(0.42, 0.24, 0.44);
 const vec3 SPONGE = vec3(0.86, 0.33, 0.06);
 const vec3 LEMON = vec3(0.78, 0.62, 0.12);
 
-#ifdef CLOSE_UP
-// Height and polyps of the relief seen along all three axes, by their shares, and its slope.
-vec2 relief_at(vec3 p, vec3 share, out vec3 slope) {
-    vec4 x = share.x * (RELIEF_SPAN * texture(u_relief, p.yz + 0.31) - 0.5 * RELIEF_SPAN);
-    vec4 y = share.y * (RELIEF_SPAN * texture(u_relief, p.xz + 0.67) - 0.5 * RELIEF_SPAN);
-    vec4 z = share.z * (RELIEF_SPAN * texture(u_relief, p.xy) - 0.5 * RELIEF_SPAN);
-    slope = vec3(y.y + z.y, x.y + z.z, x.z + y.z);
-    return vec2(x.x + y.x + z.x, x.w + y.w + z.w);
-}
-#endif
-
 void main() {
 #ifdef FADING
     if (faded(u_fade)) discard;
@@ -44,7 +31,7 @@ void main() {
     vec3 share = normal * normal;
     share *= share;
     share /= share.x + share.y + share.z;
-    vec3 p = v_world / 61.0;
+    vec3 p = v_world / RELIEF_CM;
 #ifdef CLOSE_UP
     vec3 slope;
     vec2 shape = relief_at(p, share, slope);

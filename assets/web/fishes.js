@@ -21,7 +21,8 @@ export class Fishes {
       let fish;
       for (let one = start; one && !fish; one = one.parent) fish = owners.get(one);
       for (let one = mesh; one && !fish; one = one.parent) fish = owners.get(one);
-      if (!fish) this.others.push(mesh);
+      if (!fish && mesh.isSkinnedMesh) mesh.frustumCulled = false; // seaweed, which no ray looks for
+      else if (!fish) this.others.push(mesh);
       else {
         fish.meshes.push(mesh);
         fish.bone = mesh.isSkinnedMesh ? start : mesh;

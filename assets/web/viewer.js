@@ -9,7 +9,7 @@ const FAR_M = 200, NEAR_M = 0.02;
 const STEP_S = 0.1; // of the time slider by keys
 const HOVER_MS = 100; // between looks at what is under the pointer
 const CLICK_PX = 6; // a longer way is a drag
-const SEAM_S = 0.5; // a scene that repeats fades out before its end, and in after its begin
+const SEAM_S = 0.5; // a scene that is no loop fades out before its end, and in after its begin
 
 const part = id => document.getElementById(id);
 let words = {};
@@ -59,10 +59,11 @@ async function loaded(path, bytes) {
   return whole.buffer;
 }
 
-async function caustics() {
-  const data = new Uint16Array(await (await fetched("caustics.bin")).arrayBuffer());
-  const size = Math.round(Math.sqrt(data.length / 2));
-  const texture = new THREE.DataTexture(data, size, size, THREE.RGFormat, THREE.HalfFloatType);
+// A square texture that repeats, of a file that holds nothing but its texels.
+async function repeating(path, Numbers, format, type) {
+  const data = new Numbers(await (await fetched(path)).arrayBuffer());
+  const size = Math.round(Math.sqrt(data.length / (format === THREE.RGFormat ? 2 : 4)));
+  const texture = new THREE.DataTexture(data, size, size, format, type);
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.magFilter = THREE.LinearFilter;
   texture.minFilter = THREE.LinearMipmapLinearFilter;
@@ -77,7 +78,7 @@ class Viewer {
     this.about = about;
     this.renderer = renderer;
     this.water = water;
-    this.seconds = 0;
+    this.seconds = this.before = 0; // of the scene now, and of the rounds that it has made before
     this.length = Math.max((about.frames - 1) / about.fps, 0);
     this.playing = false;
     this.scene = new THREE.Scene();
@@ -266,7 +267,7 @@ class Viewer {
   draw() {
     if (this.flight.view === "film") this.back();
     this.camera.updateMatrixWorld();
-    this.water.see(this.camera.position, this.about.start_s + this.seconds);
+    this.water.see(this.camera.position, this.about.start_s + this.before + this.seconds, this.renderer);
     part("sea").style.opacity = this.shown();
     this.fishes.cull(this.camera);
     this.renderer.render(this.scene, this.camera);
@@ -274,16 +275,26 @@ class Viewer {
     this.dirty = this.flight.moved = false;
   }
 
-  // The opacity of the picture: the seam of a scene that repeats is hidden in the colour of the page.
+  // The opacity of the picture: the seam of a scene that is no loop is hidden in the page's colour.
   shown() {
-    if (!this.playing || this.length < 4 * SEAM_S) return 1;
+    if (this.about.loop || !this.playing || this.length < 4 * SEAM_S) return 1;
     return Math.min(this.seconds / SEAM_S, (this.length - this.seconds) / SEAM_S, 1).toFixed(3);
   }
 
+  // Go on by some seconds. The water has no end, so its light and what sways in it never jump.
+  go(passed) {
+    let seconds = this.seconds + passed;
+    if (seconds >= this.length) {
+      this.before += this.length;
+      seconds = this.about.loop ? seconds % this.length : 0;
+    }
+    this.seek(seconds);
+  }
+
   frame(now) {
-    const passed = Math.min((now - (this.before ?? now)) / 1000, 0.2);
-    this.before = now;
-    if (this.playing) this.seek(this.seconds + passed >= this.length ? 0 : this.seconds + passed);
+    const passed = Math.min((now - (this.shownAt ?? now)) / 1000, 0.2);
+    this.shownAt = now;
+    if (this.playing) this.go(passed);
     this.flight.step(passed);
     if (this.pointer && !(now - this.looked < HOVER_MS)) {
       this.looked = now;
@@ -308,11 +319,15 @@ async function main() {
     say(words.webgl);
     return;
   }
-  const [code, texture, data] = await Promise.all([
-    fetched("water.glsl").then(answer => answer.text()), caustics(), loaded(about.file, about.bytes),
+  const text = path => fetched(path).then(answer => answer.text());
+  const [code, shafts, caustics, relief, data] = await Promise.all([
+    text("water.glsl"), text("shafts.glsl"),
+    repeating("caustics.bin", Uint16Array, THREE.RGFormat, THREE.HalfFloatType),
+    repeating("relief.bin", Uint8Array, THREE.RGBAFormat, THREE.UnsignedByteType),
+    loaded(about.file, about.bytes),
   ]);
   const gltf = await new GLTFLoader().parseAsync(data, "");
-  const viewer = new Viewer(about, renderer, new Water(about.water, code, texture), gltf);
+  const viewer = new Viewer(about, renderer, new Water(about.water, code, { caustics, relief }, shafts), gltf);
   viewer.draw();
   part("loading").hidden = true;
   viewer.play(viewer.length > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches);

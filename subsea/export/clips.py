@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Array, Bytes, Ints
 from subsea.base.errors import UserError
 from subsea.base.system import is_path
 from subsea.export.fin_motion import FinPlayer
+from subsea.export.scale_relief import scale_normals
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.forms import couple_surface, lay
 from subsea.fish.mesh import (
@@ -71,6 +72,7 @@ class Model(NamedTuple):
     sheet: NDArray[np.uint8]  # (h, w, 4) sRGB and opacity, bottom row first
     gloss: float  # reflectance of the scales, 0 to 1 ...
     silver: float  # ... and of pale parts of the flanks
+    scales: Bytes | None = None  # (h, w, 3) normal map of the body, bottom row first
 
 
 class Clip(NamedTuple):
@@ -219,6 +221,7 @@ def model_of(
         sheet=sheet_of(species),
         gloss=species.skin.gloss,
         silver=species.skin.silver,
+        scales=scale_normals(species),
     )
     return model, surface
 

@@ -1,6 +1,6 @@
 """`subsea export`: write a scene of the dive for other programs."""
 
-from argparse import ArgumentTypeError, Namespace
+from argparse import ArgumentTypeError, BooleanOptionalAction, Namespace
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +60,11 @@ def add(commands: Any) -> None:
     )
     add_detail(parser, 1)
     parser.add_argument(
+        "--loop",
+        action=BooleanOptionalAction,
+        help="let all fishes swim back to the start, so that the scene repeats (default: for web)",
+    )
+    parser.add_argument(
         "--poses",
         type=number_reader(int, 1, 1000),
         metavar="N",
@@ -101,6 +106,7 @@ def run(options: Namespace) -> int:
             raise UserError(f"--{name} cannot be combined with --record, which holds its own")
     options.size = options.size or shared.SIZE
     options.groups = GROUPS if options.groups is None else options.groups
+    options.loop = options.to == "web" if options.loop is None else options.loop
     options.loaded = load_scenario(options.scenario, options.changes)
     film = SceneFilmOptions(**shared.fields_of(SceneFilmOptions, options))
     return export_scene(options.to, film, SceneOptions(**shared.fields_of(SceneOptions, options)))

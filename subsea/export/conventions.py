@@ -73,8 +73,11 @@ def sheet_png(sheet: Bytes) -> bytes:
     return file.getvalue()
 
 
-def sheet_webp(sheet: Bytes) -> bytes:
-    """Encode a texture (h, w, 3 or 4), bottom row first, a sixth as large and with losses."""
+def sheet_webp(sheet: Bytes, exact: bool = False) -> bytes:
+    """Encode a texture (h, w, 3 or 4), bottom row first, a sixth as large and with losses.
+
+    `exact`: without losses, as directions need it.
+    """
     file = io.BytesIO()
-    Image.fromarray(sheet[::-1]).save(file, "WEBP", quality=WEBP_QUALITY)
+    Image.fromarray(sheet[::-1]).save(file, "WEBP", quality=WEBP_QUALITY, lossless=exact)
     return file.getvalue()

@@ -295,18 +295,20 @@ class GlbBuffer:
 
 
 def material(
-    name: str, looks: dict[str, Any], rough: float, texture: int = 0, metal: int | None = None
-) -> dict[str, Any]:
+    name: str, looks: dict[str, Any], rough: float, texture: int = 0, metal: int | None = None,
+    normal: int | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """Describe a material with the colours of a texture; `looks` are its blending and sides.
 
-    `rough` is its roughness; `metal` is a texture of roughness and metal.
+    `rough` is its roughness; `metal` is a texture of roughness and metal, `normal` a normal map.
     """
     skin: dict[str, Any] = {"baseColorTexture": {"index": texture}}
     if metal is None:
         skin |= {"metallicFactor": 0.0, "roughnessFactor": rough}
     else:
         skin["metallicRoughnessTexture"] = {"index": metal}
-    return {"name": name, "pbrMetallicRoughness": skin} | looks
+    relief = {} if normal is None else {"normalTexture": {"index": normal}}
+    return {"name": name, "pbrMetallicRoughness": skin} | relief | looks
 
 
 def asset(species: Iterable[str], extras: dict[str, Any]) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from subsea.export.conventions import (
     sheet_webp,
     to_metres,
 )
+from subsea.export.scale_relief import tangents
 from subsea.export.skin_material import metal_image, roughness
 from subsea.export.skinning import Joint, Skeleton, clip_motions, local_motion, strongest
 
@@ -31,6 +32,8 @@ Json = dict[str, Any]
 WEBP = "EXT_texture_webp"
 INSTANCING = "EXT_mesh_gpu_instancing"
 LEVELS = "MSFT_lod"
+THIN = "KHR_materials_diffuse_transmission"
+SHEER = {THIN: {"diffuseTransmissionFactor": 0.6}}  # light that fins let through, as in the dive
 COVERAGE = 0.2, 0.06, 0.02  # shares of a picture's height down to which a level is shown, and ...
 LEAST_COVERAGE = 0.0  # ... the last one
 LINEAR_MIPMAPS = 9987
@@ -70,7 +73,7 @@ class GltfFile:
         self.animations: list[Json] = []
         self._images: list[Json] = []
         self._parts: dict[tuple[str, int], Parts] = {}  # by model and number of triangles
-        self._sheets: dict[str, tuple[int, int | None]] = {}  # images: colours, and metal
+        self._sheets: dict[str, tuple[int, int | None, int | None]] = {}  # images of a skin
 
     def node(self, node: Json, root: bool = False) -> int:
         """Add a node; return its number."""
@@ -90,38 +93,39 @@ class GltfFile:
             fin = np.arange(len(model.triangles)) >= model.body
             clear = transparent_triangles(model) & ~fin
             parts = Parts([], [], [])
-            colours, metal = self.sheet(model)
+            colours, metal, scales = self.sheet(model)
             for name, chosen, looks in (
                 ("body", ~fin & ~clear, {}),
-                ("clear", clear, {"alphaMode": "BLEND"}),
-                ("fins", fin, {"alphaMode": "BLEND", "doubleSided": True}),
+                ("clear", clear, {"alphaMode": "BLEND", "extensions": SHEER}),
+                ("fins", fin, {"alphaMode": "BLEND", "doubleSided": True, "extensions": SHEER}),
             ):
                 if chosen.any():
                     corners = model.triangles[chosen].astype(np.uint16).ravel()
                     parts.indices.append(self.buffer.add(corners, glb.INDICES))
                     look = glb.material(
                         f"{model.name}_{name}", looks, roughness(model), colours,
-                        metal if name == "body" else None,
+                        metal if name == "body" else None, scales if name == "body" else None,
                     )  # fmt: skip
                     parts.materials.append(look)
                     parts.names.append(name)
             self._parts[key] = parts
         return self._parts[key]
 
-    def sheet(self, model: Model) -> tuple[int, int | None]:
-        """Return the images of a model's colours and, if it is silvery, of its metal."""
+    def sheet(self, model: Model) -> tuple[int, int | None, int | None]:
+        """Return the images of a model's colours, its metal and its scales, if it has these."""
         if model.name not in self._sheets:
-            shine = metal_image(model)
+            shine, relief = metal_image(model), model.scales
             self._sheets[model.name] = (
                 self.image(f"{model.name}_basecolor", model.sheet),
                 None if shine is None else self.image(f"{model.name}_metal", shine),
+                None if relief is None else self.image(f"{model.name}_normal", relief, True),
             )
         return self._sheets[model.name]
 
-    def image(self, name: str, pixels: Bytes) -> int:
+    def image(self, name: str, pixels: Bytes, exact: bool = False) -> int:
         """Add an image (h, w, 3 or 4), bottom row first; return its number."""
         webp = self.buffer.packing.kind == MESHOPT
-        data = sheet_webp(pixels) if webp else sheet_png(pixels)
+        data = sheet_webp(pixels, exact) if webp else sheet_png(pixels)
         kind = "image/webp" if webp else "image/png"
         self._images.append({"name": name, "bufferView": self.buffer.view(data), "mimeType": kind})
         return len(self._images) - 1
@@ -189,6 +193,7 @@ class GltfFile:
         if any(INSTANCING in node.get("extensions", {}) for node in self.nodes):
             needed.append(INSTANCING)
         uses = [LEVELS] if any(LEVELS in node.get("extensions", {}) for node in self.nodes) else []
+        uses += [THIN] if any("extensions" in look for look in self.materials) else []
         return glb.glb(content, self.buffer, needed, uses)
 
 
@@ -196,11 +201,16 @@ def add_vertices(buffer: glb.GlbBuffer, model: Model, grid: glb.PositionGrid) ->
     """Add the vertices of a model at rest; return the attributes of its primitives."""
     pack = buffer.packing
     sheet = np.clip(model.uv * (1, -1) + (0, 1), 0.0, 1.0)
-    return {
+    attributes = {
         "POSITION": buffer.add(pack.positions(to_metres(model.rest, Y_UP), grid), glb.VERTICES),
         "NORMAL": buffer.add(pack.normals(model.normals @ Y_UP.T), glb.VERTICES),
         "TEXCOORD_0": buffer.add(pack.coordinates(sheet), glb.VERTICES),
     }
+    if model.scales is not None:
+        ways = tangents(model.rest, model.normals, model.uv, model.triangles)
+        ways[:, :3] = ways[:, :3] @ Y_UP.T
+        attributes["TANGENT"] = buffer.add(pack.normals(ways), glb.VERTICES)
+    return attributes
 
 
 def add_weights(buffer: glb.GlbBuffer, rig: Skeleton) -> Json:

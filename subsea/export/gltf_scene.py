@@ -25,33 +25,24 @@ from subsea.export.conventions import (
     to_metres,
     world_rotations,
 )
-from subsea.export.glb import (
-    FULL_BYTE,
-    FULL_SHORT,
-    INDICES,
-    VERTICES,
-    Packing,
-    PositionGrid,
-    Stored,
-    packing_of,
-)
+from subsea.export.glb import FULL_BYTE, VERTICES, Packing, PositionGrid, Stored, packing_of
+from subsea.export.gltf_statics import add_statics
 from subsea.export.options import SceneOptions, check_options
-from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneMesh, SceneWriter, StillExtent
+from subsea.export.plant_motion import key_frames
+from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneWriter, StillExtent
 from subsea.export.skinning import fit_skeleton, follow, off_percent
-from subsea.geometry.rotation import from_matrix
 
 SAMPLES = 120  # frames of a species that its skeleton is fitted to
 # For estimates: joints of a fish, and bytes of a key of each, of what names a fish's nodes, of a
 # vertex in a morph target, of a colour texture, of a vertex and a triangle at rest, and of both
 # where nothing moves.
-JOINTS, NAMES, VERTEX, TRIANGLE = 26, 14_000, 52, 6
-SHEET = {PLAIN: 550_000, QUANTISED: 550_000, MESHOPT: 90_000}
+JOINTS, NAMES, VERTEX, TRIANGLE = 26, 14_000, 68, 6
+SHEET = {PLAIN: 630_000, QUANTISED: 630_000, MESHOPT: 150_000}
 KEY = {PLAIN: 28, QUANTISED: 20, MESHOPT: 12}
 TARGET = {PLAIN: 24, QUANTISED: 12, MESHOPT: 8}
 STILL = {PLAIN: (32, 11), QUANTISED: (20, 11), MESHOPT: (9, 2)}
 INSTANCE = 52  # bytes of place, turn, size and tint
-ROUGH = 0.9  # of what is not wet skin
-SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its own vertices
+JOINT, KEY_BYTES, BINDING = 330, 12, 12  # of a joint, of a key of it, and of a vertex that follows
 CUT_S = 1e-3  # before a cut of the camera, the picture before it still stands
 ROWS = 4096  # poses in a texture: with normals 8192 rows, as engines read
 PACKED = 0.75  # of the bytes of texels that PNG leaves
@@ -153,69 +144,8 @@ class SceneFile(gltf.GltfFile):
         self.move(*gltf.path_tracks(number, places, turns, times))
 
     def add_statics(self, instancing: bool) -> None:
-        """Add what stands still: a mesh of each kind, or copies of meshes as instances of a node.
-
-        Instances cannot be sheared: copies that are become part of the mesh of their kind.
-        """
-        groups: dict[str, gltf.Json] = {}
-        kinds: dict[str, list[SceneMesh]] = {}
-        for static in self.scene.statics:
-            if static.group not in groups:
-                groups[static.group] = {"name": static.group, "children": []}
-                self.node(groups[static.group], root=True)
-            alike = np.array([_is_straight(place) for place in static.places], np.bool_)
-            alike &= instancing and len(static.places) > 1
-            if alike.any():
-                placed = static._replace(places=static.places[alike], tints=static.tints[alike])
-                groups[static.group]["children"].append(self._instances(placed))
-            moved = kinds.setdefault(static.kind, [])
-            moved += [_moved(static, k) for k in np.flatnonzero(~alike).tolist()]
-        for kind, pieces in kinds.items():
-            if pieces:
-                whole = _merged(kind, pieces)
-                points = to_metres(whole.points, WORLD_Y_UP)
-                grid = self.buffer.packing.grid(points)
-                mesh = self._still(whole, points, grid)
-                node = {"name": kind, "mesh": mesh} | grid.node()
-                groups[whole.group]["children"].append(self.node(node))
-
-    def _instances(self, static: SceneMesh) -> int:
-        """Add a mesh at its places as instances of one node; return the number of the node."""
-        points = to_metres(static.points, WORLD_Y_UP)
-        grid = self.buffer.packing.grid(points)
-        brightest = max(1.0, float(static.tints.max()))
-        mesh = self._still(static._replace(colors=static.colors * brightest), points, grid)
-        way, turn, size = _parted(static.places, grid)
-        tints = static.tints / brightest
-        floats = {"TRANSLATION": way, "ROTATION": turn, "SCALE": size, "_COLOR_0": tints}
-        attributes = {
-            name: self.buffer.add(value.astype(np.float32)) for name, value in floats.items()
-        }
-        extensions = {gltf.INSTANCING: {"attributes": attributes}}
-        return self.node({"name": static.name, "mesh": mesh, "extensions": extensions})
-
-    def _still(self, static: SceneMesh, points: Array, grid: PositionGrid) -> int:
-        """Add the mesh of something that stands still; return its number."""
-        pack, buffer = self.buffer.packing, self.buffer
-        wide = np.uint16 if len(points) <= 65535 else np.uint32
-        look: gltf.Json = {
-            "name": static.group,
-            "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": ROUGH},
-        } | ({"doubleSided": True} if static.two_sided else {})
-        if look not in self.materials:
-            self.materials.append(look)
-        colors = np.round(FULL_SHORT * np.clip(static.colors, 0.0, 1.0)).astype(np.uint16)
-        primitive = {
-            "attributes": {
-                "POSITION": buffer.add(pack.positions(points, grid), VERTICES),
-                "NORMAL": buffer.add(pack.normals(static.normals @ WORLD_Y_UP.T), VERTICES),
-                "COLOR_0": buffer.add(Stored(colors, normalised=True), VERTICES),
-            },
-            "indices": buffer.add(static.triangles.astype(wide).ravel(), INDICES),
-            "material": self.materials.index(look),
-        }
-        self.meshes.append({"name": static.name, "primitives": [primitive]})
-        return len(self.meshes) - 1
+        """Add what stays at its place, and the motion of what bends."""
+        self.move(*add_statics(self, self.scene.statics, self.scene.fps, instancing))
 
     def whole(self, errors: gltf.Json) -> bytes:
         """Return the whole file."""
@@ -225,6 +155,8 @@ class SceneFile(gltf.GltfFile):
             "seed": scene.seed,
             "framesPerSecond": scene.fps,
             "frames": scene.frames,
+            "filmedFrames": scene.filmed,
+            "loop": scene.seamless,
             "seconds": (scene.frames - 1) / scene.fps,
             "startSeconds": scene.start_s,
             "light": scene.light(),
@@ -243,55 +175,6 @@ class SceneFile(gltf.GltfFile):
             {"name": scene.name, "extras": extras},
             cameras=[{"name": "camera", "type": "perspective", "perspective": lens}],
         )
-
-
-def _is_straight(place: Array) -> bool:
-    """Tell if a transform is a rotation of something stretched along its axes."""
-    axes = place[:3, :3] / np.linalg.norm(place[:3, :3], axis=0)
-    across = np.abs(axes.T @ axes - np.eye(3)).max()
-    return bool(across < SHEARED and np.linalg.det(axes) > 0.0)
-
-
-def _moved(static: SceneMesh, k: int) -> SceneMesh:
-    """Move the vertices of a mesh to its place k, in the colours that it has there."""
-    place, colors = static.places[k], static.colors * static.tints[k]
-    if (place == np.eye(4)).all():
-        return static._replace(colors=colors)
-    normals = static.normals @ np.linalg.inv(place[:3, :3])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    turned = np.linalg.det(place[:3, :3]) < 0.0
-    return static._replace(
-        points=static.points @ place[:3, :3].T + place[:3, 3],
-        normals=normals,
-        colors=colors,
-        triangles=static.triangles[:, ::-1] if turned else static.triangles,
-    )
-
-
-def _merged(kind: str, pieces: Sequence[SceneMesh]) -> SceneMesh:
-    """Make one mesh of pieces that are in their places."""
-    first = np.cumsum([0, *(len(piece.points) for piece in pieces[:-1])])
-    triangles = [piece.triangles + k for piece, k in zip(pieces, first, strict=True)]
-    return pieces[0]._replace(
-        name=kind,
-        points=np.concatenate([piece.points for piece in pieces]),
-        normals=np.concatenate([piece.normals for piece in pieces]),
-        colors=np.concatenate([piece.colors for piece in pieces]),
-        triangles=np.concatenate(triangles),
-    )
-
-
-def _parted(places: Array, grid: PositionGrid) -> tuple[Array, Array, Array]:
-    """Split places into translation, metres, rotation (k, 4), w last, and scale (k, 3).
-
-    Transforms and vertices are those of the dive, in cm with z up; the results are for y up.
-    """
-    turned = WORLD_Y_UP @ places[:, :3, :3] @ WORLD_Y_UP.T
-    way = METRES * places[:, :3, 3] @ WORLD_Y_UP.T
-    size = np.linalg.norm(turned, axis=1)
-    turn = from_matrix(turned / size[:, None])
-    way = way + turned @ grid.middle
-    return way, gltf.ordered(np.asarray(turn)), size * (grid.half or 1.0)
 
 
 class _FittedSpecies:
@@ -343,7 +226,8 @@ def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
     if options.instances:
         vertices, triangles = still.shapes
         fixed += INSTANCE * still.copies
-    fixed += vertex * vertices + triangle * triangles
+    fixed += vertex * vertices + triangle * triangles + BINDING * still.bent
+    fixed += still.joints * (JOINT + KEY_BYTES * len(key_frames(frames, extent.fps)))
     if options.vat:
         return fixed + int(PACKED * 12 * moved)
     if options.morph:

@@ -1,10 +1,10 @@
 """`subsea export`: record a part of a dive, frame by frame as in `subsea film`, and write it."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,15 +12,24 @@ from subsea.base import interrupts
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import file_hash
-from subsea.base.progress import count_noun, print_line, progress, say
+from subsea.base.progress import count_noun, print_line, say
 from subsea.base.system import require
-from subsea.dive.captions import caption_of
-from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
+from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.start import ready_world
 from subsea.dive.tour import Steer
 from subsea.export.clips import Model, Surface, model_of
 from subsea.export.conventions import continuous
+from subsea.export.loop import (
+    SHORTEST_S,
+    camera_home,
+    close,
+    home_seconds,
+    homing,
+    lead_in,
+    run_up,
+)
 from subsea.export.options import SceneOptions
+from subsea.export.plant_motion import plant_motion
 from subsea.export.scene import (
     GROUPS,
     Scene,
@@ -33,6 +42,7 @@ from subsea.export.scene import (
     extent_of_meshes,
 )
 from subsea.export.statics import moment_of, static_meshes
+from subsea.export.take import Take, record_frames
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import repertoire_file
 from subsea.frame.packet import (
@@ -40,13 +50,8 @@ from subsea.frame.packet import (
     INSTANCE_COLUMNS,
     ORIENTATION,
     POSITION,
-    ROW_A,
-    ROW_B,
     SCALE,
-    PackOptions,
-    pack,
 )
-from subsea.geometry.rotation import from_matrix
 from subsea.media.film import FilmOptions, film_length_s, instants, reach
 from subsea.media.frame_writers import frame_rate
 from subsea.media.record import Record, read_origin, read_record
@@ -56,10 +61,7 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.shoals import find_fish, with_total
 from subsea.submarine.vessel import NEUTRAL
-from subsea.view.camera import FAR_CM, NEAR_CM
-from subsea.view.display_rigs import VERTICAL_FOV, cockpit, display_rig
-from subsea.view.follow import FollowCamera, follow_fish
-from subsea.view.rig import CameraPose, views
+from subsea.view.display_rigs import cockpit
 from subsea.world.world import World
 
 # Loaded when chosen: each needs other packages.
@@ -70,8 +72,7 @@ WRITERS = {
 }
 LIMIT_BYTES = 1_000_000_000  # beyond it --force is needed
 MAX_OFF_CM = 0.001  # of a replayed fish from its record, which has single precision
-POSES = [ROW_A, ROW_B]
-EVERY_FISH = PackOptions(growth=0.0, culling=False, lod=False)
+EASED = 0.35  # of its fastest speed: a fish that is moved faster than this is not home in time
 
 Announce = Callable[[SceneExtent], object]
 
@@ -84,15 +85,7 @@ class SceneFilmOptions(FilmOptions):
     follow: str | None = None  # the camera looks at this fish, as long as it lives
     groups: Sequence[str] = GROUPS  # of the scene, beside fishes and camera
     detail: int = 1  # level of the fishes' meshes, 0 is the finest
-
-
-class _Take(NamedTuple):
-    """The fishes and the camera of one frame."""
-
-    rows: Array  # (m, 27) float32, of the fishes in the sea
-    simulated: Array  # (k, 426, 3) float32 cm: poses that follow those of earlier frames
-    observer: CameraPose
-    caption: str
+    loop: bool = False  # let the fishes swim back to where the scene begins
 
 
 def export_scene(target: str, film: SceneFilmOptions, options: SceneOptions) -> int:
@@ -142,20 +135,66 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
         seconds = max(float(record.time[-1]) - record.tick_s - film.start, 0.0)
     rate = frame_rate(film.fps)
     times = instants(film.start, seconds, rate)
-    extent = _extent(scenario, len(times), film.detail)
+    extent = _extent(scenario, len(times), float(rate), film.detail)
     announce(extent)
     compute_context()  # without OpenGL, say so before the work
     world = ready_world(film.loaded, film.seed, fish=film.fish)
     # Nobody steers in `subsea simulate`.
     steer = tour_steering(world, film.tour) if record is None else lambda world: NEUTRAL
     after = (lambda: None) if record is None else _check_against(record, world, film)
+    loops = film.loop and (len(times) - 1) / rate >= SHORTEST_S
     with interrupts.deferred_interrupts() as check:
+        early = _run_up(world, film, steer, after) if loops else []
         alpha = reach(world, times[0], steer, check, after=after)
     eye = cockpit(world.state.submarine, alpha).eye
     statics = static_meshes(world, film.groups, film.detail, moment_of(world, alpha, eye))
-    announce(extent._replace(still=extent_of_meshes(statics)))
+    extent = extent._replace(still=extent_of_meshes(statics))
+    if not loops:
+        announce(extent)
     takes, camera = record_frames(world, times, steer, follow, float(rate), film.size, after)
-    return make_scene(source.stem, world, takes, camera, statics, film, float(rate))
+    seamless = False
+    if loops:
+        lead = lead_in(early, takes, len(world.state.fishes.alive), float(rate))
+        steps = math.ceil(home_seconds(world, lead) * rate)
+        announce(extent._replace(frames=len(times) + steps))
+        later = [times[-1] + float(k / rate) for k in range(1, steps + 1)]
+        pilot = homing(lead, later[-1])
+        home, _ = record_frames(world, later, pilot, None, float(rate), film.size)
+        takes, seamless = _closed(world, early, takes, home, float(rate))
+        camera = camera_home(camera, steps, float(rate))
+    scene = make_scene(source.stem, world, takes, camera, statics, film, float(rate))
+    return replace(scene, filmed=len(times), seamless=seamless)
+
+
+def _run_up(
+    world: World, film: SceneFilmOptions, steer: Steer, after: Callable[[], None]
+) -> list[Take]:
+    """Record the seconds before a film, from which its fishes come."""
+    rate = float(frame_rate(film.fps))
+    times = run_up(film.start, rate)
+    return record_frames(world, times, steer, None, rate, film.size, after)[0] if times else []
+
+
+def _closed(
+    world: World, early: Sequence[Take], film: Sequence[Take], home: Sequence[Take], rate: float
+) -> tuple[list[Take], bool]:
+    """Close a film by the way home; tell how well, and if no fish jumps."""
+    fishes = world.state.fishes
+    number = len(fishes.alive)
+    takes, speed = close(early, film, home, rate, number, _recorded_poses(world))
+    begin, end = ({*take.rows[:, FISH].astype(int).tolist()} for take in (film[0], home[-1]))
+    late = int((speed / fishes.fast > EASED).sum())
+    stays = np.isfinite(speed)
+    most = float(speed[stays].max(initial=0.0))
+    say(f"closes in {len(home) / rate:.1f} s; fishes are moved by {most:.1f} cm/s at most")
+    if wrong := late + len(begin ^ end):
+        say(f"no loop: {count_noun(wrong, 'fish is', 'fishes are')} not back at the start")
+    return takes, not wrong
+
+
+def _recorded_poses(world: World) -> Array:
+    """Return the control points of all recorded frames (rows, 426, 3), cm."""
+    return world.library.control_points[: len(world.library.entry)]
 
 
 def _replay_of(film: SceneFilmOptions, path: Path) -> tuple[SceneFilmOptions, Record]:
@@ -199,53 +238,8 @@ def _check_against(record: Record, world: World, film: SceneFilmOptions) -> Call
     return check
 
 
-def record_frames(
-    world: World, times: Sequence[float], steer: Steer, follow: int | None,
-    rate: float, size: tuple[int, int], after: Callable[[], None] = lambda: None,
-) -> tuple[list[_Take], SceneCamera]:  # fmt: skip
-    """Step a world through the instants `times`; return what each frame shows, and the camera.
-
-    `steer` steers the submarine; `follow` is the number of a fish to look at. `rate` is the number
-    of frames in a second, `size` that of the film's picture. `after` is called after each tick.
-    """
-    rig = display_rig("mono", size)
-    camera: FollowCamera | None = None
-    takes: list[_Take] = []
-    cuts = []
-    simulated = 0  # poses in earlier frames
-    with interrupts.deferred_interrupts() as check, progress(len(times), "frame") as done:
-        for k, instant in enumerate(times):
-            alpha = reach(world, instant, steer, check, after=after)
-            observer = cockpit(world.state.submarine, alpha)
-            if follow is not None and world.state.fishes.alive[follow]:
-                camera, observer = follow_fish(world, follow, alpha, camera)
-            if takes and is_cut(takes[-1].observer, observer, 1.0 / rate):
-                cuts.append(k)
-            packet = pack(world, views(rig, observer), alpha, EVERY_FISH)
-            rows = packet.instances.copy()
-            rows[:, POSES] += simulated * (rows[:, POSES] >= packet.live_row)
-            simulated += len(packet.live_points)
-            said = caption_of(world, alpha)
-            words = said.words if said.opacity > 0.0 else ""
-            takes.append(_Take(rows, packet.live_points.copy(), observer, words))
-            done()
-    observers = [take.observer for take in takes]
-    axes = np.array([(pose.axes[0], pose.up, -pose.forward) for pose in observers])
-    track = SceneCamera(
-        position=np.array([pose.eye for pose in observers], np.float64),
-        rotation=continuous(from_matrix(np.swapaxes(axes, 1, 2))),
-        height_rad=float(VERTICAL_FOV),
-        aspect=size[0] / size[1],
-        size=size,
-        near_cm=NEAR_CM,
-        far_cm=FAR_CM,
-        cuts=tuple(cuts),
-    )
-    return takes, track
-
-
 def make_scene(
-    name: str, world: World, takes: Sequence[_Take], camera: SceneCamera,
+    name: str, world: World, takes: Sequence[Take], camera: SceneCamera,
     statics: Sequence[SceneMesh], film: SceneFilmOptions, rate: float,
 ) -> Scene:  # fmt: skip
     """Make the scene of recorded frames; UserError if no fish is in the sea in any of them."""
@@ -259,8 +253,7 @@ def make_scene(
         raise UserError(f"{name}: no fish is in the sea in these seconds, nothing to export")
     rows = rows[:, shown]
     fishes, models, surfaces = _cast(world, shown, rows, film.detail)
-    recorded = world.library.control_points[: len(world.library.entry)]
-    table = np.concatenate([recorded, *(take.simulated for take in takes)])
+    table = np.concatenate([_recorded_poses(world), *(take.simulated for take in takes)])
     return Scene(
         name=name,
         title=world.scenario.title,
@@ -268,17 +261,28 @@ def make_scene(
         fps=rate,
         start_s=film.start,
         frames=len(takes),
+        filmed=len(takes),
+        seamless=False,
         models=models,
         fishes=fishes,
         position=rows[:, :, POSITION].astype(np.float64),
         rotation=continuous(rows[:, :, ORIENTATION].astype(np.float64)),
         camera=camera,
-        statics=tuple(statics),
+        statics=tuple(_in_motion(mesh, takes) for mesh in statics),
         poses=ScenePoses(rows, table, surfaces),
         water=world.scenario.water,
         grade=world.scenario.grade,
         captions=tuple(take.caption for take in takes),
     )
+
+
+def _in_motion(mesh: SceneMesh, takes: Sequence[Take]) -> SceneMesh:
+    """Give a mesh of seaweed its recorded motion."""
+    if mesh.bent is None:
+        return mesh
+    keys = [(k, take.leaves) for k, take in enumerate(takes) if take.leaves is not None]
+    frames, nodes = np.array([k for k, _ in keys]), np.array([leaves for _, leaves in keys])
+    return mesh._replace(motion=plant_motion(mesh.bent, nodes, frames))
 
 
 def _cast(
@@ -316,11 +320,12 @@ def _cast(
     return tuple(fishes), tuple(models.values()), tuple(surfaces.values())
 
 
-def _extent(scenario: Scenario, frames: int, detail: int) -> SceneExtent:
+def _extent(scenario: Scenario, frames: int, fps: float, detail: int) -> SceneExtent:
     """Measure the fishes of a scene before any work."""
     mesh = fish_mesh(DETAILS[detail])
     return SceneExtent(
         frames=frames,
+        fps=fps,
         fishes=sum(shoal.number for shoal in scenario.fish),
         species=len({shoal.species for shoal in scenario.fish if shoal.number}),
         vertices=len(mesh.vertices),

@@ -15,6 +15,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.export.clips import Model, Surface
 from subsea.export.conventions import METRES, WORLD_Y_UP, to_metres
 from subsea.export.options import SceneOptions
+from subsea.export.plant_motion import FOLLOWED, MOTIONS, BentLeaves, PlantMotion
 from subsea.habitat.stone import sun_at
 from subsea.scenario.schema import Grade, Water
 
@@ -46,7 +47,7 @@ class SceneCamera(NamedTuple):
 
 
 class SceneMesh(NamedTuple):
-    """A mesh of n vertices that does not move, once or at k places."""
+    """A mesh of n vertices that stays at its place, once or at k places."""
 
     name: str  # unique in a scene, such as "sand" or "brain_2_0"
     kind: str  # such as "stone" or "brain"
@@ -59,6 +60,9 @@ class SceneMesh(NamedTuple):
     # (k, 4, 4) from the mesh to the world, column vectors, also stretched; identity: once, as it is
     places: Array
     tints: Array  # (k, 3) linear factors of the colours at each place
+    sway: Array | None = None  # (n,) how far it sways with the water, in the unit of its points
+    bent: BentLeaves | None = None  # the leaves of seaweed that it follows ...
+    motion: PlantMotion | None = None  # ... and their motion, once it is recorded
 
 
 CHUNK = 64  # frames of a fish at a time
@@ -82,7 +86,9 @@ class Scene:
     seed: int  # of the dive, from which it can be recorded again
     fps: float  # frames per second
     start_s: float  # time of the first frame, seconds of the dive
-    frames: int  # T
+    frames: int  # T, of the film and of the way back to its start
+    filmed: int  # of the film alone
+    seamless: bool  # the last frame is the first one, and no fish jumps there
     models: tuple[Model, ...]  # mesh at rest of each species that occurs
     fishes: tuple[SceneFish, ...]
     position: Array  # (T, N, 3) cm, of the body frame; NaN while a fish is not in the sea
@@ -143,12 +149,15 @@ class StillExtent(NamedTuple):
     triangles: int = 0
     copies: int = 0  # places of meshes that have several ...
     shapes: tuple[int, int] = (0, 0)  # ... and vertices and triangles if each is stored once
+    bent: int = 0  # vertices that follow joints, and ...
+    joints: int = 0  # ... how many there are
 
 
 class SceneExtent(NamedTuple):
     """The size of a scene before its frames are recorded."""
 
     frames: int
+    fps: float
     fishes: int
     species: int
     vertices: int  # of the mesh of each fish
@@ -158,12 +167,17 @@ class SceneExtent(NamedTuple):
 
 def extent_of_meshes(statics: Iterable[SceneMesh]) -> StillExtent:
     """Measure meshes that do not move."""
+    statics = [*statics]
     sizes = [(len(one.places), len(one.points), len(one.triangles)) for one in statics]
+    bent = [one.bent for one in statics if one.bent is not None]
+    leaves = [min(len(np.unique(one.leaf)), MOTIONS) for one in bent]
     return StillExtent(
         vertices=sum(places * points for places, points, _ in sizes),
         triangles=sum(places * triangles for places, _, triangles in sizes),
         copies=sum(places for places, _, _ in sizes if places > 1),
         shapes=(sum(points for _, points, _ in sizes), sum(last for _, _, last in sizes)),
+        bent=sum(len(one.leaf) for one in bent),
+        joints=sum(1 + len(FOLLOWED) * number for number in leaves),
     )
 
 

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, Bools
 from subsea.base.disk_cache import cached
 from subsea.export.clips import turned_to_normals
+from subsea.export.plant_motion import BentLeaves
 from subsea.export.scene import SceneMesh
 from subsea.fish.raster import smoothstep
 from subsea.frame.in_sight import leaf_texels
@@ -26,11 +27,12 @@ from subsea.rendering.reef.coral import ALGAE, DULL, LOOKS, PlacedGrowths, conta
 from subsea.rendering.reef.coral_kinds import LEVELS, forms
 from subsea.rendering.reef.coral_mesh import CoralMesh, unit
 from subsea.rendering.reef.rocks import overgrown
-from subsea.rendering.reef.seaweed import bent_fronds
+from subsea.rendering.reef.seaweed import BentFronds, bent_fronds
 from subsea.rendering.sea.ground_map import with_growths
 from subsea.rendering.sea.seabed import standing, surface, surroundings
 from subsea.world.world import TICK_S, World
 
+USUAL_CM = 30.0  # radius of the growths whose sway `CoralLook` gives
 ONCE = np.eye(4)[None]
 WHITE = np.ones((1, 3))
 SHADE = 0.45  # light that is left where the sky is hidden
@@ -155,6 +157,7 @@ def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
             f"{names[kind]}_{form}_{number}", names[kind], "corals", mesh.place.astype(np.float64),
             mesh.normal.astype(np.float64), _coral_colours(mesh, body, tips),
             mesh.triangles.astype(np.int32), True, places, tint * placed.light[:, None],
+            sway=look.sway_cm / USUAL_CM * mesh.sway if look.sway_cm else None,
         )  # fmt: skip
 
 
@@ -189,8 +192,14 @@ def _seaweed(world: World, detail: int, moment: StillMoment) -> Iterator[SceneMe
         triangles = turned_to_normals((first + fronds.triangles).reshape(-1, 3), points, normals)
         yield SceneMesh(
             f"seaweed_{name}", f"seaweed_{name}", "seaweed", points, normals, colours, triangles,
-            True, ONCE, WHITE,
+            True, ONCE, WHITE, bent=_bent(fronds, mine),
         )  # fmt: skip
+
+
+def _bent(fronds: BentFronds, mine: Bools) -> BentLeaves:
+    """Find the leaves that the vertices of some fronds follow, and where on these they grow."""
+    places = fronds.chain[mine]
+    return BentLeaves(np.repeat(fronds.leaf[mine], places.shape[1]), places.ravel())
 
 
 def moment_of(world: World, alpha: float, eye: Array) -> StillMoment:

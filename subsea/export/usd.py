@@ -11,7 +11,7 @@ time line; `customLayerData` holds their first and last frames. Needs the extra 
 import errno
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, Bytes
 from subsea.base.errors import TransientError, UserError
 from subsea.base.files import partial_folder, replacing
 from subsea.export.clips import (
@@ -71,10 +71,17 @@ def move(prim: Any, place: Array, rotation: Array, first: int = 0) -> None:
         turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), first + k)
 
 
-def skin_materials(stage: Any, folder: Any, sheet: str, rough: float) -> dict[str, Any]:
-    """Define both materials of a species under the path `folder`; `sheet` is its texture file."""
+def skin_pictures(model: Model) -> dict[str, Bytes]:
+    """Return the textures of a species by their file names: its colours first, then its scales."""
+    scales = {} if model.scales is None else {f"{model.name}_normal.png": model.scales}
+    return {f"{model.name}_basecolor.png": model.sheet} | scales
+
+
+def skin_materials(stage: Any, folder: Any, model: Model, textures: str = ".") -> dict[str, Any]:
+    """Define both materials of a species under the path `folder`; `textures` is their folder."""
+    files, rough = [f"{textures}/{name}" for name in skin_pictures(model)], roughness(model)
     return {
-        name: _skin_material(stage, folder.AppendChild(name), sheet, rough, name == CLEAR)
+        name: _skin_material(stage, folder.AppendChild(name), files, rough, name == CLEAR)
         for name in (SOLID, CLEAR)
     }
 
@@ -159,18 +166,34 @@ def primvar_reader(stage: Any, path: Any, name: str, size: int) -> Any:
     return reader.CreateOutput("result", names.Float2 if size == 2 else names.Float3)
 
 
-def _skin_material(stage: Any, path: Any, sheet: str, rough: float, clear: bool) -> Any:
-    """Define a material with the texture as colour and, if `clear`, as opacity."""
+def _texture(stage: Any, path: Any, file: str, space: str, places: Any) -> Any:
+    """Define a shader that reads a texture file of a colour space at `places`."""
     names = Sdf.ValueTypeNames
-    material, surface = preview_surface(stage, path, rough)
-    texture = UsdShade.Shader.Define(stage, path.AppendChild("sheet"))
+    texture = UsdShade.Shader.Define(stage, path)
     texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", names.Asset).Set(Sdf.AssetPath(f"./{sheet}"))
-    texture.CreateInput("sourceColorSpace", names.Token).Set("sRGB")
+    texture.CreateInput("file", names.Asset).Set(Sdf.AssetPath(file))
+    texture.CreateInput("sourceColorSpace", names.Token).Set(space)
     for side in ("wrapS", "wrapT"):
         texture.CreateInput(side, names.Token).Set("clamp")
-    places = primvar_reader(stage, path.AppendChild("places"), "st", 2)
     texture.CreateInput("st", names.Float2).ConnectToSource(places)
+    return texture
+
+
+def _skin_material(stage: Any, path: Any, files: list[str], rough: float, clear: bool) -> Any:
+    """Define a material with the first texture as colour and, if `clear`, as opacity.
+
+    The second texture, if there is one, is the normal map of what is not clear.
+    """
+    names = Sdf.ValueTypeNames
+    material, surface = preview_surface(stage, path, rough)
+    places = primvar_reader(stage, path.AppendChild("places"), "st", 2)
+    texture = _texture(stage, path.AppendChild("sheet"), files[0], "sRGB", places)
+    if len(files) > 1 and not clear:
+        relief = _texture(stage, path.AppendChild("scales"), files[1], "raw", places)
+        relief.CreateInput("scale", names.Float4).Set(Gf.Vec4f(2.0, 2.0, 2.0, 1.0))
+        relief.CreateInput("bias", names.Float4).Set(Gf.Vec4f(-1.0, -1.0, -1.0, 0.0))
+        turned = relief.CreateOutput("rgb", names.Float3)
+        surface.CreateInput("normal", names.Normal3f).ConnectToSource(turned)
     colour = texture.CreateOutput("rgb", names.Float3)
     surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(colour)
     if clear:
@@ -249,8 +272,8 @@ def write_package(out: Path, fill: Callable[[Path], Path]) -> None:
 
 
 def usd_files(folder: Path, name: str) -> list[Path]:
-    """Return the files that `write_usd` writes: the stage and its texture."""
-    return [folder / f"{name}.usdc", folder / f"{name}_basecolor.png"]
+    """Return the files that `write_usd` may write: the stage and its textures."""
+    return [folder / f"{name}{end}" for end in (".usdc", "_basecolor.png", "_normal.png")]
 
 
 def add_points(
@@ -267,12 +290,12 @@ def write_usd(
     folder: Path, model: Model, clips: list[Clip], baked: bool,
     add_meshes: Callable[[Any, Any, Model, list[Clip], dict[str, Any], bool], None] = add_points,
 ) -> list[Path]:  # fmt: skip
-    """Write the stage NAME.usdc and its texture into `folder`; return both files.
+    """Write the stage NAME.usdc and its textures into `folder`; return the files.
 
     `add_meshes` gives the model's prim its meshes and their motion. The motion of the root is that
     of the prim, or `baked` into theirs. UserError if a file cannot be written.
     """
-    file, sheet = usd_files(folder, model.name)
+    file = folder / f"{model.name}.usdc"
     stage = Usd.Stage.CreateInMemory(file.name)
     first = first_frames(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
@@ -288,9 +311,11 @@ def write_usd(
         turn = np.concatenate([clip.rotation for clip in clips])
         move(root, to_metres(place, Y_UP), rotate_quaternions(turn, Y_UP))
     folder_of_looks = root.GetPath().AppendChild("materials")
-    looks = skin_materials(stage, folder_of_looks, sheet.name, roughness(model))
+    looks = skin_materials(stage, folder_of_looks, model)
     add_meshes(stage, root.GetPath(), model, clips, looks, baked)
-    with replacing(sheet) as picture, stage_file(file) as part:
-        picture.write_bytes(sheet_png(model.sheet))
-        stage.GetRootLayer().Export(str(part))
-    return [file, sheet]
+    pictures = {folder / name: pixels for name, pixels in skin_pictures(model).items()}
+    with ExitStack() as all_or_none:
+        for path, pixels in pictures.items():
+            all_or_none.enter_context(replacing(path)).write_bytes(sheet_png(pixels))
+        stage.GetRootLayer().Export(str(all_or_none.enter_context(stage_file(file))))
+    return [file, *pictures]

@@ -3,7 +3,7 @@
     /SCENE/camera                     UsdGeomCamera
     /SCENE/fishes/fusilier_003        its path; body and fins with points in every frame
     /SCENE/schools/fusilier           with --poses: a point instancer instead of the fishes
-    /SCENE/sand, stone, corals, seaweed
+    /SCENE/sand, stone, corals, seaweed   seaweed is a SkelRoot for each kind
     /SCENE/materials
 
 Units are metres, y is up and the head of a fish along +z. Frame k is that of `subsea film` with the
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
@@ -32,8 +32,9 @@ from subsea.export.conventions import (
     world_rotations,
 )
 from subsea.export.options import SceneOptions, check_options
+from subsea.export.plant_motion import PlantMotion, key_frames
 from subsea.export.scene import Scene, SceneCamera, SceneExtent, SceneMesh, SceneWriter, StillExtent
-from subsea.export.skin_material import roughness
+from subsea.export.usd_skeleton import bend
 from subsea.geometry.rotation import from_matrix
 
 
@@ -46,6 +47,13 @@ def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
         usd.define(stage, at.AppendChild(name), "group")
     for static in statics:
         path = at.AppendPath(f"{static.group}/{usd.identifier(static.name)}")
+        if static.motion is not None:
+            prim = UsdSkel.Root.Define(stage, path)
+            mesh = _coloured_mesh(stage, path.AppendChild("mesh"), static, static.tints[0])
+            usd.bind(mesh, look)
+            prim.CreateExtentAttr(_reach(static, static.motion))
+            bend(stage, prim, mesh, static.motion, usd.identifier(static.name))
+            continue
         if len(static.places) == 1:
             prim = usd.define(stage, path, "component")
             _place(prim, static.places[0])
@@ -62,6 +70,13 @@ def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
             prim.GetPrim().GetInherits().AddInherit(prototype.GetPath())
             prim.GetPrim().SetInstanceable(True)
             _place(prim, place)
+
+
+def _reach(static: SceneMesh, motion: PlantMotion) -> Any:
+    """Return the bounds of a mesh in all its motion."""
+    points = to_metres(static.points, WORLD_Y_UP)
+    most = METRES * float(np.abs(motion.shifts).max())
+    return usd.vectors(np.stack([points.min(axis=0) - most, points.max(axis=0) + most]))
 
 
 def _place(prim: Any, place: Array) -> None:
@@ -98,8 +113,9 @@ PACKAGE = signed("a USD package (.usdz)", b"PK\x03\x04")
 KINDS: dict[str, FileKind] = {".usdc": USD, ".usdz": PACKAGE}
 SAVED_BYTES = 200_000_000  # of time samples, after which they go to the disk
 FRAME_BYTES = 24  # of a vertex: point and normal
-SHEET_BYTES = 600_000  # of the texture of a species
+SHEET_BYTES = 680_000  # of the textures of a species
 STILL_BYTES, COPY_BYTES = (36, 12), 250  # of a vertex and a triangle at rest, and of a copy
+BINDING, JOINT = 16, 12  # of a vertex that follows joints, and of a key of a joint
 SUN_DEG, SUN_INTENSITY = 0.53, 3.0
 SENSOR = 0.36, 0.01  # width of a film's frame of 36 mm, and 1 mm, in tenths of a metre
 
@@ -133,6 +149,9 @@ def estimate(extent: SceneExtent, options: SceneOptions) -> int:
     known = extent.still or StillExtent()
     vertices, triangles = known.shapes
     still = STILL_BYTES[0] * vertices + STILL_BYTES[1] * triangles + COPY_BYTES * known.copies
+    still += BINDING * known.bent + JOINT * known.joints * len(
+        key_frames(extent.frames, extent.fps)
+    )
     return moving + still + extent.species * SHEET_BYTES
 
 
@@ -145,9 +164,10 @@ def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     files = []
     with ExitStack() as all_or_none:
         for model in scene.models:
-            files.append(out.parent / textures / f"{model.name}_basecolor.png")
-            sheet = all_or_none.enter_context(replacing(files[-1]))
-            sheet.write_bytes(sheet_png(model.sheet))
+            for name, pixels in usd.skin_pictures(model).items():
+                files.append(out.parent / textures / name)
+                picture = all_or_none.enter_context(replacing(files[-1]))
+                picture.write_bytes(sheet_png(pixels))
         _write_stage(scene, all_or_none.enter_context(usd.stage_file(out)), textures, options)
     return [out, *files]
 
@@ -158,7 +178,8 @@ WRITER = SceneWriter(check, estimate, write)
 def _fill_package(scene: Scene, folder: Path, options: SceneOptions) -> Path:
     """Write a stage and its textures into `folder`; return the stage."""
     for model in scene.models:
-        (folder / f"{model.name}_basecolor.png").write_bytes(sheet_png(model.sheet))
+        for name, pixels in usd.skin_pictures(model).items():
+            (folder / name).write_bytes(sheet_png(pixels))
     stage = folder / f"{usd.identifier(scene.name)}.usdc"
     _write_stage(scene, stage, ".", options)
     return stage
@@ -169,7 +190,7 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
     stage = Usd.Stage.CreateNew(str(path))
     usd.set_up(
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
-        title=scene.title, seed=scene.seed, start_s=scene.start_s,
+        title=scene.title, seed=scene.seed, start_s=scene.start_s, loop=scene.seamless,
         light={
             name: Vt.DoubleArray(value) if isinstance(value, list) else value
             for name, value in scene.light().items()
@@ -185,10 +206,8 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
         folder = UsdGeom.Scope.Define(
             stage, at.AppendPath(f"materials/{usd.identifier(model.name)}")
         )
-        sheet = f"{textures}/{model.name}_basecolor.png"
-        looks.append(
-            usd.skin_materials(stage, folder.GetPath(), sheet.removeprefix("./"), roughness(model))
-        )
+        where = "." if textures == "." else f"./{textures}"
+        looks.append(usd.skin_materials(stage, folder.GetPath(), model, where))
     add_statics(stage, at, scene.statics)
     _add_sun(stage, at.AppendChild("sun"), np.array(scene.light()["toSun"]))
     if options.poses is None:

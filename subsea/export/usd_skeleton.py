@@ -1,7 +1,7 @@
-"""The skeleton of a species in USD (UsdSkel): joints that move the mesh, in place of its points.
+"""Skeletons in USD (UsdSkel): joints move the mesh of a species or of seaweed.
 
-The file has a fortieth of the bytes of one with points in every frame, and the errors of the fit
-(`skinning.py`).
+The file of a species has a fortieth of the bytes of one with points in every frame, and the errors
+of the fit (`skinning.py`).
 """
 
 from typing import Any
@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from pxr import Gf, UsdSkel, Vt
 
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, Ints
 from subsea.export.clips import Clip, Model, bake_root
-from subsea.export.conventions import Y_UP, rotate_quaternions, to_metres
+from subsea.export.conventions import WORLD_Y_UP, Y_UP, rotate_quaternions, to_metres
+from subsea.export.plant_motion import PlantMotion
 from subsea.export.skinning import Joint, Skeleton, clip_motions, local_motion, strongest
-from subsea.export.usd import MeshPart, skin_meshes, vectors
+from subsea.export.usd import skin_meshes, vectors
 
 
 def add_skinned(
@@ -32,8 +33,8 @@ def add_skinned(
     names, rest = joint_paths(rig.joints), np.array([joint.place for joint in rig.joints])
     parents = np.array([rest[one.parent] if one.parent >= 0 else np.zeros(3) for one in rig.joints])
     skeleton.CreateJointsAttr(names)
-    skeleton.CreateBindTransformsAttr(_places(rest))
-    skeleton.CreateRestTransformsAttr(_places(rest - parents))
+    skeleton.CreateBindTransformsAttr(matrices(to_metres(rest, Y_UP)))
+    skeleton.CreateRestTransformsAttr(matrices(to_metres(rest - parents, Y_UP)))
     motion = UsdSkel.Animation.Define(stage, path.AppendPath("skeleton/motion"))
     motion.CreateJointsAttr(names)
     motion.CreateScalesAttr(Vt.Vec3hArray([Gf.Vec3h(1.0)] * len(names)))
@@ -48,7 +49,27 @@ def add_skinned(
     binding = UsdSkel.BindingAPI.Apply(skeleton.GetPrim())
     binding.CreateAnimationSourceRel().SetTargets([motion.GetPath()])
     for mesh, part in skin_meshes(stage, path, model, looks):
-        _bind(mesh, part, rig, skeleton.GetPath())
+        _bind(mesh, *strongest(rig.weights[part.vertices]), skeleton.GetPath())
+
+
+def bend(stage: Any, prim: Any, mesh: Any, motion: PlantMotion, kind: str) -> None:
+    """Bind a mesh of seaweed below `prim`, a SkelRoot, to joints, which only shift at its keys."""
+    places = to_metres(motion.places, WORLD_Y_UP)
+    names = [f"{kind}_{k}" for k in range(len(places))]
+    skeleton = UsdSkel.Skeleton.Define(stage, prim.GetPath().AppendChild("skeleton"))
+    skeleton.CreateJointsAttr(names)
+    for create in (skeleton.CreateBindTransformsAttr, skeleton.CreateRestTransformsAttr):
+        create(matrices(places))
+    moved = UsdSkel.Animation.Define(stage, skeleton.GetPath().AppendChild("motion"))
+    moved.CreateJointsAttr(names)
+    moved.CreateScalesAttr(Vt.Vec3hArray([Gf.Vec3h(1.0)] * len(names)))
+    moved.CreateRotationsAttr(Vt.QuatfArray([Gf.Quatf(1.0)] * len(names)))
+    ways = moved.CreateTranslationsAttr()
+    for frame, shifts in zip(motion.frames.tolist(), motion.shifts, strict=True):
+        ways.Set(vectors(places + to_metres(shifts, WORLD_Y_UP)), frame)
+    binding = UsdSkel.BindingAPI.Apply(skeleton.GetPrim())
+    binding.CreateAnimationSourceRel().SetTargets([moved.GetPath()])
+    _bind(mesh, motion.joints, motion.weights, skeleton.GetPath())
 
 
 def joint_paths(joints: list[Joint]) -> list[str]:
@@ -59,17 +80,15 @@ def joint_paths(joints: list[Joint]) -> list[str]:
     return names
 
 
-def _places(places: Array) -> Any:
-    """Convert places (J, 3), cm, body axes, to matrices."""
-    rows = to_metres(places, Y_UP)
+def matrices(places: Array) -> Any:
+    """Return the matrices that move the origin to places (J, 3), metres."""
     return Vt.Matrix4dArray(
-        [Gf.Matrix4d().SetTranslate(Gf.Vec3d(*map(float, row))) for row in rows]
+        [Gf.Matrix4d().SetTranslate(Gf.Vec3d(*map(float, place))) for place in places]
     )
 
 
-def _bind(mesh: Any, part: MeshPart, rig: Skeleton, skeleton: Any) -> None:
-    """Bind the vertices of a mesh to their joints."""
-    joints, weights = strongest(rig.weights[part.vertices])
+def _bind(mesh: Any, joints: Ints, weights: Array, skeleton: Any) -> None:
+    """Bind vertices (n) of a mesh to their joints (n, k), by weights (n, k)."""
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets([skeleton])
     binding.CreateGeomBindTransformAttr().Set(Gf.Matrix4d(1.0))

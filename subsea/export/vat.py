@@ -106,7 +106,8 @@ def texel_coordinates(count: int, height: int) -> Array:
 def _mesh(model: Model, height: int, colours: str) -> bytes:
     """Make the mesh at rest as .glb, with texture coordinates of the animation texture."""
     buffer = GlbBuffer(EXACT)
-    attributes = add_vertices(buffer, model, EXACT.grid(to_metres(model.rest, Y_UP)))
+    plain = model._replace(scales=None)  # a vertex shader would have to turn tangents, too
+    attributes = add_vertices(buffer, plain, EXACT.grid(to_metres(model.rest, Y_UP)))
     texels = texel_coordinates(len(model.rest), height).astype(np.float32)
     attributes["TEXCOORD_1"] = buffer.add(texels, VERTICES)
     primitive = {

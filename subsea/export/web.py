@@ -38,6 +38,7 @@ from subsea.rendering.gl.shaders import source
 from subsea.rendering.gl.textures import near_and_far
 from subsea.rendering.output.target import gain
 from subsea.rendering.output.uniforms import TIDE_S, light_uniforms
+from subsea.rendering.reef.rocks import roughness
 from subsea.scenario.schema import Grade, Water
 
 WORDS = {
@@ -94,7 +95,8 @@ POLICY = (
     "default-src 'none'; script-src 'self' '{digest}'; style-src 'self'; img-src 'self' blob:; "
     "connect-src 'self' blob:; base-uri 'none'; form-action 'none'"
 )
-PAGE_BYTES = 2_700_000  # of the page and three.js
+RELIEF_SEED = 5  # of the relief of stone, as in the dive
+PAGE_BYTES = 3_000_000  # of the page and three.js
 GRADE = "u_gain", "u_contrast", "u_saturation"  # uniforms of `shaders/curve.glsl`
 STEP_CM, DEPTH_CM = 50.0, 5000.0  # of the table of the eye's light
 
@@ -139,7 +141,9 @@ def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     files |= {f"three/{name}": (three / name).read_bytes() for name in THREE}
     files["index.html"] = _index(scene).encode()
     files["water.glsl"] = water_code().encode()
+    files["shafts.glsl"] = _plain(source("shafts.frag", PAGE=1)).encode()
     files["caustics.bin"] = near_and_far(0).astype("<f2").tobytes()
+    files["relief.bin"] = roughness(RELIEF_SEED).tobytes()
     with ExitStack() as stack:
         glb = stack.enter_context(replacing(out / SCENE))
         GLTF.write(scene, glb, _packed(options))
@@ -172,8 +176,13 @@ def find_three() -> Path:
 
 
 def water_code() -> str:
-    """Return the shader code of light in water, and `curved`, from light to the screen."""
-    code = source("optics.glsl", PAGE=1) + source("curve.glsl", GRADED=1, LINEAR=1)
+    """Return the shader code of light in water, of sway and stone, and from light to the screen."""
+    code = source("optics.glsl", PAGE=1) + source("sway.glsl") + source("relief.glsl")
+    return _plain(code + source("curve.glsl", GRADED=1, LINEAR=1))
+
+
+def _plain(code: str) -> str:
+    """Return shader code without what a browser sets or does not know."""
     lines = code.splitlines(keepends=True)
     return "".join(line for line in lines if not line.startswith(("#version", "#line")))
 
@@ -203,6 +212,7 @@ def _about(scene: Scene, size: int) -> dict[str, Any]:
         "file": SCENE,
         "bytes": size,
         "frames": scene.frames,
+        "loop": scene.seamless,
         "fps": scene.fps,
         "start_s": scene.start_s,
         "cuts": scene.camera.cuts,

@@ -69,7 +69,7 @@ from subsea.view.retina import AHEAD, FIELD_DEG, Gaze, bodies_at
 from subsea.view.rig import CameraPose, levelled, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
-from subsea.world.step import step
+from subsea.world.step import Order, step
 from subsea.world.world import TICK_S, World
 
 
@@ -172,8 +172,8 @@ def instants(start: float, seconds: float, rate: Fraction) -> list[float]:
 
 
 def reach(
-    world: World, instant: float, steer: Steer, check: Check, before: Check = lambda: None,
-    after: Check = lambda: None,
+    world: World, instant: float, steer: Callable[[World], Order], check: Check,
+    before: Check = lambda: None, after: Check = lambda: None,
 ) -> float:  # fmt: skip
     """Step the world until `instant` lies between its last two ticks; returns where, 0 to 1.
 

@@ -114,6 +114,7 @@ def extent_of(scene: Scene) -> SceneExtent:
     """The extent of a scene, whose meshes have about as many vertices."""
     return SceneExtent(
         frames=scene.frames,
+        fps=scene.fps,
         fishes=len(scene.fishes),
         species=len({fish.model for fish in scene.fishes}),
         vertices=max(len(model.rest) for model in scene.models),

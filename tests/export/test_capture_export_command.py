@@ -35,8 +35,8 @@ def test_each_format_prints_a_line_for_each_file(tmp_path, capsys):
     vat = ["fusilier_vat.png", "fusilier_basecolor.png", "fusilier.glb", "fusilier-remap_info.json"]
     for form, files in (
         ("vat", [f"fusilier_vat/{name}" for name in vat]),
-        ("usd", ["fusilier.usdc", "fusilier_basecolor.png"]),
-        ("usd --skeleton", ["fusilier.usdc", "fusilier_basecolor.png"]),
+        ("usd", ["fusilier.usdc", "fusilier_basecolor.png", "fusilier_normal.png"]),
+        ("usd --skeleton", ["fusilier.usdc", "fusilier_basecolor.png", "fusilier_normal.png"]),
         ("gltf", ["fusilier.glb"]),
         ("gltf --morph", ["fusilier.glb"]),
     ):

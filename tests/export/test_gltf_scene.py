@@ -15,6 +15,7 @@ from subsea.export import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.conventions import METRES, WORLD_Y_UP, Y_UP, Z_UP, sheet_png, to_metres
 from subsea.export.gltf_scene import WRITER
 from subsea.export.options import SceneOptions
+from subsea.export.plant_motion import PlantMotion
 from subsea.export.scene import Scene, SceneMesh
 from subsea.export.skinning import fit_skeleton
 from subsea.geometry.rotation import matrix
@@ -51,10 +52,25 @@ def _statics() -> tuple[SceneMesh, ...]:
     tints = rng.uniform(0.5, 1.2, (6, 3))
     mesh = points, normals, colors, triangles
     once = np.eye(4)[None], np.ones((1, 3))
+    sway = np.array([0.0, 0.1, 0.2, 0.3])
     return (
         SceneMesh("rock", "stone", "stone", *mesh, False, *once),
-        SceneMesh("coral_0", "coral", "corals", *mesh, True, places[:4], tints[:4]),
-        SceneMesh("coral_1", "coral", "corals", *mesh, True, places[4:], tints[4:]),
+        SceneMesh("coral_0", "coral", "corals", *mesh, True, places[:4], tints[:4], sway),
+        SceneMesh("coral_1", "coral", "corals", *mesh, True, places[4:], tints[4:], 2.0 * sway),
+        SceneMesh("weed", "weed", "seaweed", *mesh, True, *once, motion=_motion(rng)),
+    )
+
+
+def _motion(rng: np.random.Generator) -> PlantMotion:
+    """Two joints beside the ground; a vertex follows one, or half of two."""
+    shifts = np.zeros((3, 3, 3))
+    shifts[1:, 1:] = rng.uniform(-5.0, 5.0, (2, 2, 3))
+    return PlantMotion(
+        frames=np.array([0, 3, FRAMES - 1]),
+        places=rng.uniform(0.0, 30.0, (3, 3)),
+        shifts=shifts,
+        joints=np.array([[0, 1], [1, 2], [1, 2], [0, 2]]),
+        weights=np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.0, 1.0]]),
     )
 
 
@@ -247,6 +263,7 @@ def test_what_stands_still_is_where_it_was(
             np.clip(one.colors * tint, 0.0, 1.0),
         )
         for one in scene.statics
+        if one.motion is None
         for place, tint in zip(one.places, one.tints, strict=True)
     ]
     assert len(found) == len(expected)
@@ -259,6 +276,47 @@ def test_what_stands_still_is_where_it_was(
     assert len([name for name in names if name == "stone" or name.startswith("coral")]) == (
         4 if kind == QUANTISED else 2
     )
+
+
+@pytest.mark.parametrize("kind", COMPRESSIONS)
+def test_seaweed_bends_with_its_joints(
+    scene: Scene, files: dict[tuple[str, str], Path], kind: str, opened: Opened
+) -> None:
+    reader = opened(files["skin", kind])
+    [weed] = [one for one in scene.statics if one.name == "weed"]
+    motion = weed.motion
+    assert motion is not None
+    found, _ = reader.node_points(_node(reader, "weed"), _moment(reader, scene))
+    for frame in range(FRAMES):
+        shifts = np.array(
+            [
+                [np.interp(frame, motion.frames, motion.shifts[:, joint, k]) for k in range(3)]
+                for joint in range(3)
+            ]
+        )
+        moved = (motion.weights[..., None] * shifts[motion.joints]).sum(axis=1)
+        expected = to_metres(weed.points + moved, WORLD_Y_UP)
+        assert np.abs(found[frame] - expected).max() < (1e-6 if kind == PLAIN else 5e-4)
+    assert np.abs(found[3] - found[0]).max() > 0.01
+
+
+def test_what_is_soft_says_how_far_it_sways(
+    scene: Scene, files: dict[tuple[str, str], Path], opened: Opened
+) -> None:
+    """In the unit of the positions: merged copies sway as far as they are large."""
+    reader = opened(files["skin", PLAIN])
+    meshes = {
+        mesh["name"]: mesh["primitives"][0]["attributes"] for mesh in reader.content["meshes"]
+    }
+    assert "_SWAY" not in meshes["stone"]
+    sway = reader.array(meshes["coral"]["_SWAY"]).reshape(-1, 4)
+    sizes = [
+        abs(np.linalg.det(place[:3, :3])) ** (1 / 3) * factor
+        for one, factor in zip(scene.statics[1:3], (1.0, 2.0), strict=True)
+        for place in one.places
+    ]
+    expected = METRES * np.outer(sizes, [0.0, 0.1, 0.2, 0.3])
+    np.testing.assert_allclose(np.sort(sway, axis=0), np.sort(expected, axis=0), rtol=1e-5)
 
 
 def test_the_file_says_what_it_is(
@@ -278,7 +336,7 @@ def test_the_file_says_what_it_is(
             assert node["extras"]["species"] == scene.models[one.model].name
         used = {one.model for one in scene.fishes}
         looks = [look["name"] for look in content["materials"]]
-        assert len(set(looks)) == len(looks) <= 3 * len(used) + 2, (variant, kind)
+        assert len(set(looks)) == len(looks) <= 3 * len(used) + 3, (variant, kind)
         assert {look.rpartition("_")[0] for look in looks} - {""} == {
             scene.models[number].name for number in used
         }

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, UsdValidation
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, UsdUtils, UsdValidation, Vt
 
 from subsea.base.errors import UserError
 from subsea.export import usd_scene
 from subsea.export.conventions import WORLD_Y_UP, sheet_png, to_metres
 from subsea.export.options import SceneOptions
-from subsea.export.scene import Scene
+from subsea.export.plant_motion import PlantMotion
+from subsea.export.scene import Scene, SceneMesh
 from subsea.export.usd_scene import WRITER, _representatives, bake_poses
 from subsea.geometry.rotation import matrix
 from subsea.habitat.stone import sun_at
@@ -112,12 +113,44 @@ def test_the_stage_is_as_artists_expect(dive: Scene, stage: Any, file: Path) -> 
     names = {child.GetName() for child in root.GetChildren()}
     assert names == {"camera", "sun", "materials", "fishes", "sand", "stone"}
     textures = {path.name for path in (file.parent / "bare_textures").iterdir()}
-    assert textures == {"fusilier_basecolor.png", "clownfish_basecolor.png"}
+    kinds = ("basecolor", "normal")
+    assert textures == {f"{name}_{k}.png" for name in ("fusilier", "clownfish") for k in kinds}
     layers, assets, missing = UsdUtils.ComputeAllDependencies(str(file))
-    assert len(layers) == 1 and len(assets) == 2 and not missing
+    assert len(layers) == 1 and len(assets) == 4 and not missing
     fins = stage.GetPrimAtPath("/bare_sea/fishes/fusilier_002/fins")
     material, _ = UsdShade.MaterialBindingAPI(fins).ComputeBoundMaterial()
     assert str(material.GetPath()) == "/bare_sea/materials/fusilier/clear"
+
+
+def test_seaweed_bends_with_its_joints(tmp_path: Path, dive: Scene) -> None:
+    """OpenUSD's own skinning finds the vertices where the joints of the motion have them."""
+    points = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 30.0]])
+    shifts = np.zeros((2, 2, 3))
+    shifts[1, 1] = 3.0, -4.0, 1.0
+    motion = PlantMotion(
+        np.array([0, 10]), np.array([[1.0, 2, 3], [4, 5, 6]]), shifts,
+        np.array([[0, 1]] * 4), np.array([[1.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.0, 1.0]]),
+    )  # fmt: skip
+    weed = SceneMesh(
+        "weed", "weed", "seaweed", points, np.tile([0, 0, 1.0], (4, 1)), np.full((4, 3), 0.2),
+        np.array([[0, 1, 2], [0, 1, 3]], np.int32), True, np.eye(4)[None], np.ones((1, 3)),
+        motion=motion,
+    )  # fmt: skip
+    out = tmp_path / "weed.usdc"
+    WRITER.write(replace(dive, statics=(weed,)), out, SceneOptions(poses=1))
+    stage = Usd.Stage.Open(str(out))
+    assert not problems(stage)
+    cache = UsdSkel.Cache()
+    root = UsdSkel.Root(stage.GetPrimAtPath("/bare_sea/seaweed/weed"))
+    cache.Populate(root, Usd.PrimDefaultPredicate)
+    [binding] = cache.ComputeSkelBindings(root, Usd.PrimDefaultPredicate)
+    [target] = binding.GetSkinningTargets()
+    query = cache.GetSkelQuery(binding.GetSkeleton())
+    for frame in (0, 5, 10):
+        moved = Vt.Vec3fArray.FromNumpy(to_metres(points, WORLD_Y_UP).astype(np.float32))
+        assert target.ComputeSkinnedPoints(query.ComputeSkinningTransforms(frame), moved, frame)
+        shown = points + motion.weights[:, 1:] * (frame / 10.0 * shifts[1, 1])
+        np.testing.assert_allclose(np.array(moved), to_metres(shown, WORLD_Y_UP), atol=1e-6)
 
 
 def test_the_camera_sees_what_the_film_shows(dive: Scene, stage: Any) -> None:

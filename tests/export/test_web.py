@@ -22,9 +22,10 @@ from subsea.dive.directed_camera import tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.export import web
 from subsea.export.options import SceneOptions
-from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
+from subsea.export.recording import SceneFilmOptions, make_scene
 from subsea.export.scene import SceneExtent
 from subsea.export.statics import static_meshes
+from subsea.export.take import record_frames
 from subsea.export.web import WORDS
 from subsea.frame.packet import PackOptions, pack
 from subsea.media.film import instants
@@ -75,6 +76,7 @@ class Written(NamedTuple):
     scene: object
     number: np.ndarray  # (h, w) of the fish at a pixel, -1: none
     picture: Image.Image
+    shafts: np.ndarray  # (16, 320) the map of light shafts about the sun
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +105,9 @@ def written(tmp_path_factory):
         renderer.draw(packet)
         picture = Image.fromarray(renderer.read_pixels())
         maps = renderer.id_maps(packet)
-    return Written(out, scene, np.where(maps.kind == FISH, maps.number, -1), picture)
+        shafts = np.frombuffer(renderer._shafts._map.read(), np.float16).reshape(16, 320)
+    numbers = np.where(maps.kind == FISH, maps.number, -1)
+    return Written(out, scene, numbers, picture, shafts.astype(float))
 
 
 @pytest.fixture(scope="module")
@@ -262,12 +266,38 @@ def test_in_a_frame_it_has_no_bars(page, site):
     assert page.run("document.getElementById('sea').clientHeight") == SIZE[1]
 
 
-def test_a_scene_that_repeats_fades_over_its_seam(opened):
+def test_a_scene_that_is_no_loop_fades_over_its_seam(opened):
     opened.run("viewer.length = 4; viewer.playing = true")
     shown = [float(opened.run(f"viewer.seconds = {at}, viewer.shown()")) for at in (0, 0.25, 2, 4)]
     assert shown == [0.0, 0.5, 1.0, 0.0]
     opened.run("viewer.playing = false")
     assert float(opened.run("viewer.seconds = 4, viewer.shown()")) == 1.0
+
+
+def test_a_loop_goes_on_without_a_seam(opened):
+    """Neither the picture fades, nor does the water's light jump."""
+    opened.run("viewer.about.loop = true; viewer.playing = true")
+    assert opened.run("viewer.seconds = 4, viewer.shown()") == 1
+    length = (FRAMES - 1) / FPS
+    opened.run(f"viewer.seek({length - 0.1}); viewer.before = 0; viewer.go(0.3); viewer.draw()")
+    assert opened.run("viewer.seconds") == pytest.approx(0.2)
+    assert opened.run("viewer.water.uniforms.u_time.value") == pytest.approx(START_S + length + 0.2)
+
+
+def test_light_falls_in_the_shafts_of_the_dive(written, opened):
+    """The map of light about the sun is the one that the dive's renderer has drawn."""
+    opened.run(f"viewer.seek({(FRAMES - 1) / FPS}); viewer.draw()")
+    values = opened.run(
+        """(async () => {
+      const raw = new Uint16Array(4 * 320 * 16), THREE = await import("three");
+      viewer.renderer.readRenderTargetPixels(viewer.water.map, 0, 0, 320, 16, raw);
+      return [...raw].filter((_, k) => k % 4 === 0).map(one => THREE.DataUtils.fromHalfFloat(one));
+    })()"""
+    )
+    shafts = np.array(values).reshape(16, 320)
+    assert np.ptp(written.shafts) > 0.05
+    assert np.corrcoef(shafts.ravel(), written.shafts.ravel())[0, 1] > 0.9
+    assert np.abs(shafts - written.shafts).mean() < 0.2 * np.abs(written.shafts).mean()
 
 
 def test_it_speaks_the_language_of_the_browser(page, site):
@@ -334,7 +364,7 @@ def test_options_of_other_formats_and_other_folders_are_refused(written, tmp_pat
     check(written.folder, SceneOptions())
     with pytest.raises(UserError, match="is a file, expected a folder"):
         check(tmp_path / "thesis.txt", SceneOptions())
-    extent = SceneExtent(frames=10, fishes=4, species=1, vertices=600, triangles=1000)
+    extent = SceneExtent(frames=10, fps=15.0, fishes=4, species=1, vertices=600, triangles=1000)
     assert web.WRITER.estimate(extent, SceneOptions()) > web.PAGE_BYTES
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.frame.in_sight import LEAF_TEXELS
 from subsea.frame.packet import Packet
+from subsea.habitat.seaweed import KINDS
 from subsea.kernels import kernel
 from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.feedback import VertexFeedback
@@ -18,6 +19,7 @@ from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.output.quality import Quality
 
 LUSH, FINE, COARSE = (19, 5), (13, 3), (7, 2)  # vertices along and across a leaf
+GRASS = KINDS.index("grass")
 
 # Numbers of the fronds drawn on a chain of each kind: near and far for close-ups, near and far
 # without. Those of kelp are stipes, their blades, and the fronds of the canopy.
@@ -126,6 +128,8 @@ class BentFronds(NamedTuple):
     normals: Array  # (F, v, 3)
     colours: Array  # (F, v, 3) linear, as at the middle of the frond
     along: Array  # (F, v) share of its length
+    leaf: Ints  # (F,) row of `leaves` on which it grows ...
+    chain: Array  # (F, v) ... and where on the chain of that leaf, 0 at the root to 1 at the tip
     triangles: Ints  # (m, 3) of each
 
 
@@ -140,7 +144,8 @@ def bent_fronds(leaves: Array, coarse: bool, eye: Array, time_s: float) -> BentF
     kind = leaves[fronds[:, 0].astype(int), 0, 3].astype(int)
     if not len(fronds):
         nothing = np.zeros((0, len(ribbons), 3), np.float32)
-        return BentFronds(kind, nothing, nothing, nothing, nothing[..., 0], triangles)
+        none = nothing[..., 0]
+        return BentFronds(kind, nothing, nothing, nothing, none, kind, none, triangles)
     still = np.eye(4, dtype="f4").tobytes()
     places, normals, colours, shares = _bending().run(
         [(ribbons, "2f4", "a_place"), (fronds, "3f4/i", "a_frond")],
@@ -150,7 +155,11 @@ def bent_fronds(leaves: Array, coarse: bool, eye: Array, time_s: float) -> BentF
         # A large picture: no frond is widened to a pixel.
         u_view_projection=still, u_projection=still, u_size=(1e9, 1e9),
     )  # fmt: skip
-    return BentFronds(kind, places, normals, colours, shares[..., 0], triangles)
+    along, _, own, high = np.moveaxis(shares, 2, 0)
+    # A blade of grass ends below the tip of its leaf.
+    chain = np.where((kind == GRASS)[:, None], along * (0.5 + 0.5 * own), high)
+    leaf = fronds[:, 0].astype(int)
+    return BentFronds(kind, places, normals, colours, along, leaf, chain, triangles)
 
 
 @cache

@@ -1,0 +1,124 @@
+"""A scene that closes: no fish jumps, slips or spins where it begins again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from subsea.export.loop import EASE_S, Lead, camera_home, mirrored_turn
+from subsea.export.recording import SceneFilmOptions, record_scene
+from subsea.export.scene import Scene, SceneCamera
+from subsea.geometry.rotation import about, matrix
+from subsea.scenario.load import load_scenario
+from tests.support.scenes import BARE
+
+FPS = 15
+
+
+def test_a_lead_mirrors_what_follows() -> None:
+    times = np.array([0.0, 0.1, 0.2, 0.3])
+    lead = Lead(np.array([2.0, 3.0, 3.5, 3.7]), times)
+    assert lead.at(0.15) == pytest.approx(3.25)
+    assert lead.before(0.0) == 2.0
+    assert lead.before(0.1) == pytest.approx(1.0)
+    assert lead.at(0.5) == pytest.approx(4.1)  # on as at the end
+    early = Lead(np.array([1.0, 2.0, 3.0]), np.array([-0.2, -0.1, 0.0]))
+    assert [early.before(seconds) for seconds in (0.05, 0.2, 0.3)] == pytest.approx([2.5, 1.0, 0.0])
+
+
+def test_a_turn_is_mirrored() -> None:
+    middle, turn = (np.array(about(0.0, 0.0, 1.0, angle)) for angle in (0.5, 0.8))
+    expected = np.array(about(0.0, 0.0, 1.0, 0.2))
+    np.testing.assert_allclose(mirrored_turn(middle, turn), expected, atol=1e-12)
+
+
+def camera(cuts: tuple[int, ...] = ()) -> SceneCamera:
+    times = np.arange(40) / FPS
+    angle = 0.2 * times
+    turns = np.stack([np.cos(angle / 2), 0 * angle, 0 * angle, np.sin(angle / 2)], axis=1)
+    places = np.stack([50.0 * times, 9.0 * times**2, 0.0 * times], axis=1)
+    return SceneCamera(places, turns, 1.0, 1.5, (90, 60), 1.0, 9e3, cuts)
+
+
+def test_the_camera_goes_back_on_its_way() -> None:
+    """No step is larger than on the way, none changes abruptly, and the last place is the first."""
+    there = camera()
+    back = camera_home(there, 9 * FPS, FPS)
+    assert len(back.position) == 40 + 9 * FPS
+    np.testing.assert_array_equal(back.position[:40], there.position)
+    np.testing.assert_allclose(back.position[-1], there.position[0])
+    round_trip = np.concatenate([back.position[:-1], back.position[:3]])
+    speed = np.gradient(round_trip, axis=0)[1:-1] * FPS
+    change = np.linalg.norm(np.diff(speed, axis=0), axis=1) * FPS
+    assert np.linalg.norm(speed, axis=1).max() < 110.0
+    assert change.max() < 120.0  # cm/s²: it turns round in two seconds
+    dots = (back.rotation[1:] * back.rotation[:-1]).sum(axis=1)
+    assert dots.min() > 0.999
+
+
+def test_after_a_cut_the_camera_cuts_back_and_waits() -> None:
+    back = camera_home(camera(cuts=(7,)), 20, FPS)
+    assert back.cuts == (7, 40)
+    assert np.ptp(back.position[40:], axis=0).max() == 0.0
+
+
+@pytest.fixture(scope="module")
+def closed() -> Scene:
+    options = SceneFilmOptions(
+        out=BARE, loaded=load_scenario(str(BARE)), fps=FPS, start=9.0, seconds=3.0, detail=3,
+        groups=(), loop=True,
+    )  # fmt: skip
+    return record_scene(options)
+
+
+def test_all_fishes_come_home(closed: Scene) -> None:
+    assert closed.seamless and closed.filmed == 45 < closed.frames
+    np.testing.assert_array_equal(closed.position[-1], closed.position[0])
+    for fish in range(len(closed.fishes)):
+        first, last = closed.points(fish, 0, 0)[0], closed.points(fish, closed.frames - 1)[0]
+        np.testing.assert_array_equal(first, last)
+
+
+def seconds_about_the_seam(closed: Scene, seconds: float) -> np.ndarray:
+    """Frames of the last and the first seconds, in the order in which a page shows them."""
+    count = round(seconds * closed.fps)
+    return np.concatenate(
+        [np.arange(closed.frames - 1 - count, closed.frames - 1), np.arange(count)]
+    )
+
+
+def test_no_fish_jumps_or_slips_at_the_seam(closed: Scene) -> None:
+    """Beside the film itself: speed, its change, slip across the body, and turns."""
+    film, seam = np.arange(closed.filmed), seconds_about_the_seam(closed, EASE_S)
+    found = {}
+    for name, frames in (("film", film), ("seam", seam)):
+        place = closed.position[frames]
+        speed = np.gradient(place, axis=0) * closed.fps
+        axes = matrix(closed.rotation[frames])
+        slip = (speed[..., None, :] @ axes)[..., 0, 2]  # to the right of the body
+        change = np.diff(speed, axis=0) * closed.fps
+        turned = np.abs(axes[1:, :, :, 0] - axes[:-1, :, :, 0]).max(axis=-1) * closed.fps
+        found[name] = [
+            np.abs(values).max() for values in (speed[1:-1], change[1:-1], slip[1:-1], turned)
+        ]
+    assert (np.array(found["seam"]) < 1.6 * np.array(found["film"])).all(), found
+
+
+def test_tails_beat_on_through_the_seam(closed: Scene) -> None:
+    """No vertex moves farther from frame to frame than elsewhere."""
+    for fish in range(len(closed.fishes)):
+        points = closed.points(fish)[0]
+        step = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
+        late = step[-round(EASE_S * closed.fps) :]
+        assert late.max() < 1.5 * step[: closed.filmed].max()
+        assert late[-3:].max() > 0.0
+
+
+def test_a_short_or_plain_scene_is_no_loop(closed: Scene) -> None:
+    options = SceneFilmOptions(
+        out=BARE, loaded=load_scenario(str(BARE)), fps=FPS, seconds=0.4, detail=3, groups=(),
+        loop=True,
+    )  # fmt: skip
+    scene = record_scene(options)
+    assert not scene.seamless and scene.frames == scene.filmed == 6
+    assert not replace(closed, seamless=False).seamless
