@@ -156,7 +156,8 @@ class TheatreLineUp:
         if patterned and state.channel in self._channels:
             chosen = names.index(state.channel)
             rig = _dimmed(rig, chosen, DIM[state.others])
-            marks = self._marks(rig, chosen, state)
+            if state.pattern == "grid":  # on a plain colour their light would deceive
+                marks = self._marks(rig, chosen, state)
         canvas = (lambda rig: self._pattern(rig, state.pattern)) if patterned else None
         dive.picture.fit(rig, canvas, marks, dive.overlay.help_hidden)
 

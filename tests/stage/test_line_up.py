@@ -75,6 +75,7 @@ def hall(display, user, quiet, path):
 def tool(hall, user):
     """The line-up of the hall, with the grid on the wall; it is cancelled at the end."""
     line_up = hall.parts[0].line_up
+    line_up.session._undo.clear()
     line_up.session._clock = iter(range(0, 10**6, 10)).__next__  # every change for itself
     line_up.apply(commands.EditLineUp(True))
     line_up.apply(commands.ShowLineUpPattern("grid", "full"))
@@ -96,7 +97,7 @@ def test_a_moved_corner_moves_that_picture_and_undo_returns_the_same_bytes(hall,
     tool.apply(commands.MoveLineUp(12, 9))
     after = wall(hall, user)
     np.testing.assert_array_equal(after[1], before[1])
-    assert after[0][:6, :10].max() <= 1  # the corner has gone from there
+    assert after[0][0, :3].max() <= 1  # the corner has gone from there
     assert np.abs(after[0] - before[0]).mean() > 2.0
     tool.apply(commands.CompareLineUp(True))
     for one, other in zip(wall(hall, user), before, strict=True):
@@ -127,7 +128,7 @@ def test_light_changes_both_masks_of_an_overlap(hall, user, tool):
     before = wall(hall, user)
     tool.apply(commands.SetLineUp("blend_width", 0.3))
     after = wall(hall, user)
-    assert (np.abs(after[0] - before[0])[75].max(), np.abs(after[1] - before[1])[75].max()) > (9, 9)
+    assert all(np.abs(after[k] - before[k])[75].max() > 9 for k in (0, 1))
     tool.apply(commands.SetLineUp("gain", [1.0, 0.2, 1.0]))
     red, green, _ = wall(hall, user)[0][75, 60]
     assert red > 250 and (green / 255) ** 2.2 == pytest.approx(0.2, abs=0.02)
