@@ -39,7 +39,7 @@ from subsea.rendering.sea.water import WaterRenderer
 from subsea.scenario.schema import Grade
 from subsea.view.camera import View, middle_eye
 from subsea.view.culling import IN_SIGHT
-from subsea.view.rig import CameraRig, DisplayPatch, Rect
+from subsea.view.rig import CameraRig, DisplayPatch, Rect, tile
 
 
 class BakedScene(NamedTuple):
@@ -242,8 +242,9 @@ class Renderer(GpuOwner):
     def _draw(self, packet: Packet, into: Into) -> None:
         context = self._context
         calls, seconds = context.extra.calls, context.extra.seconds
-        self._target.framebuffer.use()
-        self._target.framebuffer.clear()
+        views = [self._on_canvas(view) for view in packet.views]
+        # Water fills all that nothing else covers.
+        self._target.begin(tile([view.viewport for view in views], self._target.size))
         start = time.perf_counter()
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
@@ -262,7 +263,7 @@ class Renderer(GpuOwner):
         eye, stage, unit = None, self.timer.stage, self._target.unit
         with stage("shadows"):
             shaded = self._cast(packet)
-        for number, view in enumerate(map(self._on_canvas, packet.views)):
+        for number, view in enumerate(views):
             uniforms = uniforms_of(packet, view, self._scene.water, unit) | shaded
             if uniforms["u_eye"] != eye:  # views through one eye share their shafts
                 with stage("shafts"):
@@ -411,11 +412,18 @@ class Renderer(GpuOwner):
             output = patch.output, patch.page
             size = self.rig.outputs[patch.output]
             target = self._use(patch, into)
-            if output not in begun and (patch.place[2:] != size or patch.warp is not None):
+            if output not in begun and not self._filled(output):
                 self._context.viewport = (0, 0, *size)
                 target.clear()  # dark outside the patches
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, unit)
+
+    def _filled(self, output: tuple[int, int]) -> bool:
+        """True if patches fill a page of an output, so that nothing of it stays dark."""
+        patches = [p for p in self.rig.patches if (p.output, p.page) == output]
+        places = [patch.place for patch in patches]
+        warped = any(patch.warp is not None for patch in patches)
+        return not warped and tile(places, self.rig.outputs[output[0]])
 
     def _use(self, patch: DisplayPatch, into: Into) -> Any:
         """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""
