@@ -3,7 +3,7 @@
 #include "optics.glsl"
 #include "show.glsl"
 
-uniform sampler2D u_waves;  // slopes along x and y, their mean square
+uniform sampler2D u_waves;  // slopes along x and y, the variance that mipmaps average out
 uniform float u_floor;
 
 in vec3 v_world;
@@ -21,11 +21,13 @@ const float CRITICAL = 0.6593;  // cosine of the steepest angle at which all lig
 const vec3 FOAM = vec3(0.62, 0.60, 0.58);
 const vec3 ZENITH = vec3(0.16, 0.48, 0.90), HORIZON = vec3(0.80, 1.15, 1.30);
 
+const float MOST_SLOPE = 4.0;  // of the texture's bytes
+
 // Adds waves of some deviation of slope; the third component gathers the variance not resolved.
 void add(inout vec3 waves, vec2 at, float deviation, mat2 turn) {
     vec3 texel = texture(u_waves, turn * at).rgb;
-    waves.xy += deviation * texel.xy * turn;
-    waves.z += deviation * deviation * max(texel.z - dot(texel.xy, texel.xy), 0.0);
+    waves.xy += deviation * MOST_SLOPE * (2.0 * texel.xy - 1.0) * turn;
+    waves.z += deviation * deviation * MOST_SLOPE * texel.z;
 }
 
 void main() {

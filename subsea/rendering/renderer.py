@@ -43,7 +43,7 @@ from subsea.rendering.sea.water import WaterRenderer
 from subsea.scenario.schema import Grade
 from subsea.view.camera import View, middle_eye
 from subsea.view.culling import IN_SIGHT
-from subsea.view.rig import CameraRig, DisplayPatch, Projection, Rect
+from subsea.view.rig import CameraRig, DisplayPatch, Projection, Rect, tile
 
 NO_MARKS: Mapping[int, Array] = {}
 
@@ -281,8 +281,9 @@ class Renderer(GpuOwner):
 
     def _fill(self, packet: Packet) -> None:
         """Draw every view of a packet into the canvas."""
-        self._target.framebuffer.use()
-        self._target.framebuffer.clear()
+        places = [self._on_canvas(view).viewport for view in packet.views]
+        # Water fills all that nothing else covers.
+        self._target.begin(tile(places, self._target.size))
         start = time.perf_counter()
         self._fishes.upload(packet)
         self._seaweed.upload(packet)
@@ -498,12 +499,18 @@ class Renderer(GpuOwner):
             output = patch.output, patch.page
             size = self.rig.outputs[patch.output]
             target = self._use(patch, into)
-            covers = patch.place[2:] == size and patch.warp is None and patch.adjustment is None
-            if output not in begun and not covers:
+            if output not in begun and not self._filled(output):
                 self._context.viewport = (0, 0, *size)
                 target.clear()  # dark outside the patches
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, unit)
+
+    def _filled(self, output: tuple[int, int]) -> bool:
+        """True if patches fill a page of an output, so that nothing of it stays dark."""
+        patches = [p for p in self.rig.patches if (p.output, p.page) == output]
+        places = [patch.place for patch in patches]
+        moved = any(patch.warp is not None or patch.adjustment is not None for patch in patches)
+        return not moved and tile(places, self.rig.outputs[output[0]])
 
     def _use(self, patch: DisplayPatch, into: Into) -> Any:
         """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""

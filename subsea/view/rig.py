@@ -8,6 +8,7 @@ carries its eyes moves.
 import math
 from collections.abc import Sequence
 from enum import IntEnum
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -249,6 +250,12 @@ def _ahead(eye: Eye) -> float:
 def overlap(a: Rect, b: Rect) -> bool:
     """True if two rectangles share a pixel."""
     return all(a[k] < b[k] + b[k + 2] and b[k] < a[k] + a[k + 2] for k in (0, 1))
+
+
+def tile(parts: Sequence[Rect], size: tuple[int, int]) -> bool:
+    """True if rectangles within a picture of this size cover it and do not overlap."""
+    area = sum(width * height for _, _, width, height in parts)
+    return area == size[0] * size[1] and not any(overlap(*pair) for pair in combinations(parts, 2))
 
 
 LEAST_AREA = 1e-12  # of a triangle that lights nothing

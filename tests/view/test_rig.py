@@ -16,6 +16,7 @@ from subsea.view.rig import (
     seen_by,
     seen_part,
     select_outputs,
+    tile,
     views,
 )
 from subsea.view.stereo import LAYOUTS
@@ -155,3 +156,17 @@ def test_eyes_that_are_near_enough_stay():
     for display in ("mono", "side-by-side"):
         rig = display_rig(display, (64, 48))
         assert limit_separation(rig, 3.3) is rig
+
+
+@pytest.mark.parametrize("display", DISPLAYS)
+def test_eyes_tile_the_canvas_but_for_the_faces_of_a_cube_that_are_seen_in_part(display):
+    rig = display_rig(display, (320, 180))
+    whole = tile([eye.viewport for eye in rig.eyes], rig.canvas)
+    assert whole == (display not in ("panorama", "dome"))
+
+
+def test_parts_with_a_gap_or_an_overlap_do_not_tile_a_picture():
+    size = 40, 30
+    assert tile([(0, 0, 25, 30), (25, 0, 15, 30)], size)
+    assert not tile([(0, 0, 25, 30), (26, 0, 14, 30)], size)
+    assert not tile([(0, 0, 25, 30), (20, 0, 15, 30)], size)  # as large together as the picture

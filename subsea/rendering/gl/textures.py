@@ -205,6 +205,12 @@ def halves(layers: list[Array]) -> Texels:
     return np.stack(layers, axis=-1).astype(np.float16)
 
 
+def next_mipmap(layer: Array) -> Array:
+    """The means (n/2, n/2) of squares of four texels of a layer (n, n): its next mipmap."""
+    n = len(layer) // 2
+    return np.asarray(layer.reshape(n, 2, n, 2).mean(axis=(1, 3)))
+
+
 def in_bytes(layers: list[Array], low: Array, high: Array) -> Texels:
     """Layers (n, n) as bytes that span `low` to `high`."""
     data = np.clip((np.stack(layers, axis=-1) - low) / (np.asarray(high) - low), 0.0, 1.0)
@@ -221,11 +227,24 @@ def noise(seed: int) -> Texels:
     return halves([tileable_noise(seed)])
 
 
+# Trilinear filtering would show little and take a sixth of the time of a picture.
+ONE_LEVEL = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
+
+
 def repeating(context: Any, make: Callable[[int], Texels], seed: int) -> Any:
     """A repeating texture of `make(seed)`, cached on disk."""
     texture = cached_texture(context, ALL, False, make, seed)
-    # Trilinear filtering would show little and take a sixth of the time of a picture.
-    texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
+    texture.filter = ONE_LEVEL
+    return texture
+
+
+def repeating_levels(context: Any, make: Callable[[int], list[Texels]], seed: int) -> Any:
+    """A repeating texture whose mipmaps are `make(seed)`, largest first, cached on disk."""
+    levels = cached(make, seed)
+    texture = mipmapped(context, levels[0])
+    for level, texels in enumerate(levels):
+        texture.write(texels, level=level, alignment=1)
+    texture.filter = ONE_LEVEL
     return texture
 
 

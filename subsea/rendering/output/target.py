@@ -1,5 +1,6 @@
 """The canvas in linear light, the pass that resolves it to eight bits, and further windows."""
 
+import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
@@ -10,7 +11,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.pictures import Pixels
-from subsea.rendering.gl.context import GpuOwner
+from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms, source
 from subsea.rendering.gl.textures import upload
 from subsea.rendering.output.quality import PRESETS, Quality
@@ -119,6 +120,7 @@ def gain(grade: Grade) -> tuple[float, float, float]:
     return float(red), float(green), float(blue)
 
 
+DEPTH = 0x0100  # OpenGL's bit of the depth buffer
 MOST_LIGHT = 8.0  # that a canvas of integers holds: the filmic curve shows more of it as white
 
 
@@ -148,6 +150,7 @@ class RenderTarget(GpuOwner):
         self.framebuffers: dict[tuple[int, int], Any] = {}
         self.size = size
         self._context = context
+        self._clear = gl_function(context, "glClear", ctypes.c_uint)
         self.samples = samples
         self.unit = 1.0 / MOST_LIGHT if quality.integers else 1.0
         kind = "nu2" if quality.integers else "f2"
@@ -174,6 +177,17 @@ class RenderTarget(GpuOwner):
         # moderngl binds the last framebuffer again when it makes one, which must not be freed.
         self._context.detect_framebuffer(0).use()
         super().release()
+
+    def begin(self, whole: bool) -> None:
+        """Use the canvas and clear it; of one whose `whole` surface is drawn, the depth alone.
+
+        A software renderer clears colours in a thirtieth of the time of a picture.
+        """
+        self.framebuffer.use()
+        if whole:
+            self._clear(DEPTH)
+        else:
+            self.framebuffer.clear()
 
     def resolved(self) -> Any:
         """The canvas as a texture, with samples resolved."""

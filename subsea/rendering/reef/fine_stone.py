@@ -36,7 +36,8 @@ def halved(mesh: StaticMesh) -> Halved:
     keys, edge = np.unique(sides[..., 0] * number + sides[..., 1], return_inverse=True)
     middle = number + edge.reshape(-1, 3)  # of the side from each corner to the next
     at_corners = np.stack([corners, middle, np.roll(middle, 1, axis=1)], axis=2)
-    triangles = np.concatenate([at_corners.reshape(-1, 3), middle]).astype(np.int32)
+    fours = np.concatenate([at_corners, middle[:, None]], axis=1)
+    triangles = fours.reshape(-1, 3).astype(np.int32)
     return Halved(mesh, np.stack(np.divmod(keys, max(number, 1)), axis=1), triangles)
 
 

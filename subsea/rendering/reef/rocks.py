@@ -126,10 +126,11 @@ def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
             beyond = np.maximum(box - middle, middle - box - PIECE_CM).max(axis=1)
             if shape is levels[0] and not (beyond <= 0.0).any():
                 break
-            used, triangles = np.unique(shape.triangles[beyond <= long], return_inverse=True)
-            piece.append(
-                StaticMesh(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32))
-            )
+            used, corners = np.unique(shape.triangles[beyond <= long], return_inverse=True)
+            # Triangles about one vertex follow each other: a renderer computes it once, not thrice.
+            triangles = corners.reshape(-1, 3).astype(np.int32)
+            order = np.argsort(triangles.min(axis=1), kind="stable")
+            piece.append(StaticMesh(shape.vertices[used], triangles[order]))
         else:
             pieces.append(piece)
     return pieces

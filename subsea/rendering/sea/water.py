@@ -12,7 +12,7 @@ from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.id_buffer import SURFACE
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
-from subsea.rendering.gl.textures import Texels, halves, repeating, ripples
+from subsea.rendering.gl.textures import Texels, in_bytes, next_mipmap, repeating_levels, ripples
 from subsea.rendering.output.quality import Quality
 from subsea.view.camera import FAR_CM, View
 from subsea.view.display_rigs import VERTICAL_FOV
@@ -22,6 +22,7 @@ HALF_TANGENTS = (16 / 9 * tan(VERTICAL_FOV / 2), tan(VERTICAL_FOV / 2))  # of th
 STEPS = (8, 9)  # narrower views have fewer cells, rounded to these numbers of steps
 FINE_FROM = 8  # samples of a light shaft from which the grid is fine
 RINGS, SECTORS = 16, 48  # of the surface, a disc
+MOST_SLOPE = 4.0  # of the bytes of waves, as `surface.frag` has it; also their greatest variance
 
 
 class WaterRenderer(GpuOwner):
@@ -35,7 +36,7 @@ class WaterRenderer(GpuOwner):
         self.adapt(quality)
         self._surface = self.own(ProgramVariants(context, "surface", SURFACE, quality.defines))
         self._floor = float(np.mean(scene.terrain))
-        self._waves = self.own(repeating(context, rippled, 3))
+        self._waves = self.own(repeating_levels(context, wave_levels, 3))
         places, triangles = self.own_buffers(context, *disc(RINGS, SECTORS))
         self._disc = self._surface.array([(places, "2f4", "a_place")], triangles)
 
@@ -64,13 +65,21 @@ class WaterRenderer(GpuOwner):
         return int(self._disc.vertices) // 3
 
 
-def rippled(seed: int) -> Texels:
-    """Slopes of the surface and their square as texels.
+def wave_levels(seed: int) -> list[Texels]:
+    """The mipmaps of the surface, largest first: slopes along x and y, and their variance.
 
-    Where a mipmap averages the slopes out, the mean square still gives the roughness.
+    The variance of what a level averages out makes the surface rough where its waves are too small
+    to be seen. A software renderer reads bytes for half of what half floats cost.
     """
     x, y = ripples(seed)
-    return halves([x, y, x**2 + y**2])
+    square, levels = x**2 + y**2, []
+    low, high = np.array([-MOST_SLOPE, -MOST_SLOPE, 0.0, 0.0]), np.full(4, MOST_SLOPE)
+    while True:
+        lost = np.maximum(square - x**2 - y**2, 0.0)
+        levels.append(in_bytes([x, y, lost, 0.0 * x], low, high))
+        if len(x) == 1:
+            return levels
+        x, y, square = (next_mipmap(layer) for layer in (x, y, square))
 
 
 def grid(across: int, down: int) -> NDArray[np.int32]:

@@ -116,6 +116,20 @@ def test_pieces_cover_the_formation_at_every_level_and_overlap():
     assert max(wide) < PIECE_CM + 5 * COARSEST_CM
 
 
+def test_triangles_about_a_vertex_follow_each_other():
+    """A renderer that remembers the last 256 vertices computes hardly any of them twice."""
+    (levels,) = shapes(formations(NO_PILLARS, ARCH), floor)
+    for piece in cut(levels):
+        for shape in piece:
+            corners = shape.triangles.ravel()
+            remembered = np.full(256, -1)
+            computed = 0
+            for vertex in corners.tolist():
+                computed += remembered[vertex % 256] != vertex
+                remembered[vertex % 256] = vertex
+            assert computed < 1.2 * len(np.unique(corners))
+
+
 def test_a_small_stone_is_one_piece():
     (levels,) = shapes(formations(NO_PILLARS, ROCKS[:1]), floor)
     (piece,) = cut(levels)

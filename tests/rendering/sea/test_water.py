@@ -8,10 +8,10 @@ from msgspec import structs
 
 from subsea.habitat.stone import SUN, sun_at
 from subsea.rendering.gl.shaders import set_uniforms, source
-from subsea.rendering.gl.textures import near_and_far, repeating
+from subsea.rendering.gl.textures import near_and_far, repeating, ripples
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.output.uniforms import WIDE, daylight, light_uniforms, uniforms_of
-from subsea.rendering.sea.water import disc, grid
+from subsea.rendering.sea.water import MOST_SLOPE, disc, grid, wave_levels
 from subsea.scenario.schema import JERLOV, LUMINANCE, Water, attenuation
 
 PLAIN_WATER = Water(fog=(0.01, 0.1, 0.2), visibility_cm=1500.0)
@@ -41,6 +41,18 @@ def test_the_rings_of_the_disc_reach_its_edge():
     places, triangles = disc(7, 24)
     assert np.linalg.norm(places[triangles], axis=2).max() == pytest.approx(1.0)
     assert np.linalg.norm(places, axis=1).min() == 0.0
+
+
+def test_each_mipmap_of_the_waves_keeps_their_mean_square_slope():
+    """What a level averages out of the slopes is in their variance."""
+    square = sum((slope**2).mean() for slope in ripples(5))
+    levels = wave_levels(5)
+    assert [len(level) for level in levels] == [256 >> k for k in range(9)]
+    for level in levels:
+        x, y = np.moveaxis(MOST_SLOPE * (2.0 * level[..., :2] / 255.0 - 1.0), 2, 0)
+        lost = MOST_SLOPE * level[..., 2] / 255.0
+        assert (x**2 + y**2 + lost).mean() == pytest.approx(square, rel=0.02)
+    assert not levels[0][..., 2].any()
 
 
 def test_light_comes_from_above_and_the_deep_is_blue(look):
