@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.geometry.angles import sine_cosine
 from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
 from subsea.state import FEAR, Clock, Fishes, Minds, Nature
@@ -141,11 +142,11 @@ def deviate(minds: Minds, i: int, rule: Array, clock: Clock) -> None:
         size = math.sqrt(max(1.0 - kept * kept, 0.0))
         # Two normal numbers from two even ones (Box and Muller 1958).
         far = math.sqrt(-2.0 * math.log(1.0 - uniform(clock.seed, i, clock.tick, purpose)))
-        angle = 2.0 * np.pi * uniform(clock.seed, i, clock.tick + (1 << 40), purpose)
+        share = uniform(clock.seed, i, clock.tick + (1 << 40), purpose)
+        sine, cosine = sine_cosine(2.0 * np.pi * share)
         if axis == 0:
-            drawn = size * far * math.cos(angle), size * far * math.sin(angle)
+            drawn = size * far * cosine, size * far * sine
             minds.deviation[i, 0] = kept * float(minds.deviation[i, 0]) + drawn[0]
             minds.deviation[i, 1] = kept * float(minds.deviation[i, 1]) + drawn[1]
         else:
-            drawn = size * far * math.cos(angle), 0.0
-            minds.deviation[i, 2] = kept * float(minds.deviation[i, 2]) + drawn[0]
+            minds.deviation[i, 2] = kept * float(minds.deviation[i, 2]) + size * far * cosine

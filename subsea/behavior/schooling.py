@@ -17,6 +17,7 @@ from subsea.behavior.school_goals import NEAR_GOAL_BL, goal_of, is_informed
 from subsea.behavior.threat_memory import flees_from_memory
 from subsea.behavior.vigilance import away_from_threat, haste
 from subsea.behavior.wandering import BOUND, redraw
+from subsea.geometry.angles import arc_tangent, sine_cosine
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
@@ -257,10 +258,11 @@ def _company(fishes: Fishes, minds: Minds, i: int, temper: Temper) -> tuple[Vect
     aside = keep[1] + shift + align * (heading[1] * x - heading[0] * y)
     size = np.sqrt(along * along + aside * aside)
     noise = rule[NOISE_RAD] * temper.noise
-    turn = np.arctan2(aside, along) + noise * float(minds.deviation[i, 0])
+    turn = arc_tangent(aside, along) + noise * float(minds.deviation[i, 0])
     climb = keep[2] + levelling + FLATTENING * share * rise + align * heading[2]
     climb += CLIMBING * noise * float(minds.deviation[i, 1]) * size
-    along, aside = size * np.cos(turn), size * np.sin(turn)
+    sine, cosine = sine_cosine(turn)
+    along, aside = size * cosine, size * sine
     urge = along * x - aside * y, along * y + aside * x, climb
     pace = CRUISING
     if count > 0:

@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Ints
 from subsea.behavior.chasing import set_urge
+from subsea.geometry.angles import arc_tangent, sine_cosine
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import (
     far_from_rock,
@@ -249,6 +250,7 @@ def ease_goals(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
             across = times(1.0 / sine, across)
         left = now[0] * urge[1] - now[1] * urge[0] > 0.0
         warning = float(minds.preference[i, LEFT if left else RIGHT])
-        angle = share * min(1.0, 1.5 + warning) * np.arctan2(sine, along)
-        wish = unit(plus(times(np.cos(angle), now), times(np.sin(angle), across)))
+        angle = share * min(1.0, 1.5 + warning) * arc_tangent(sine, along)
+        aside, ahead = sine_cosine(angle)
+        wish = unit(plus(times(ahead, now), times(aside, across)))
         store(fishes.goal_direction[i], wish)

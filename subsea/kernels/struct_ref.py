@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
+from llvmlite import ir
 from numba import typeof, types
 from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
@@ -63,7 +64,25 @@ class FieldTypes(AttributeTemplate):  # type: ignore[misc]
 def _field(context: Any, builder: Any, kind: Kind, pointer: Any, field: str) -> Any:
     """Load a field."""
     place = _place(context, builder, kind, pointer, list(kind.fields).index(field))
-    return _uncounted(context, builder, kind.fields[field], builder.load(place))
+    return _uncounted(context, builder, kind.fields[field], _load(builder, place))
+
+
+def _load(builder: Any, place: Any) -> Any:
+    """Load what no kernel changes, part by part.
+
+    The compiler keeps the addresses and sizes of arrays while a kernel writes into them. It would
+    otherwise load them again after each number that is written, which might be one of them.
+    """
+    of = place.type.pointee
+    if not isinstance(of, ir.Aggregate):
+        value = builder.load(place)
+        value.set_metadata("invariant.load", builder.module.add_metadata([]))
+        return value
+    value = ir.Constant(of, ir.Undefined)
+    for k in range(len(of)):
+        part = _load(builder, cgutils.gep_inbounds(builder, place, 0, k))
+        value = builder.insert_value(value, part, k)
+    return value
 
 
 def _place(context: Any, builder: Any, kind: Kind, pointer: Any, number: int) -> Any:

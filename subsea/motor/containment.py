@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.geometry.angles import arc_tangent
 from subsea.geometry.rotation import Quaternion, about, multiply, quaternion, rotate, x_axis
 from subsea.geometry.solids import (
     far_from_rock,
@@ -41,7 +42,7 @@ def roll_of(q: Quaternion) -> float:
     if abs(x[2]) > VERTICAL:
         return 0.0
     # Both arguments carry the same factor, which cancels.
-    return math.atan2(y[0] * x[1] - y[1] * x[0], y[2])
+    return arc_tangent(y[0] * x[1] - y[1] * x[0], y[2])
 
 
 @kernel

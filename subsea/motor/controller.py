@@ -6,6 +6,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.biomechanics.solver import TICK_S
+from subsea.geometry.angles import arc_sine, arc_tangent
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.kernels import kernel
@@ -91,7 +92,7 @@ def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
         kind = fishes.species[i]
         x = x_axis(fishes.orientation[i])
         g = fishes.goal_direction[i]
-        azimuth = math.atan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
+        azimuth = arc_tangent(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
         # Nearly above or below, a goal is at any azimuth: swim on, and climb or dive.
         level = math.sqrt(np.float64(g[0] * g[0] + g[1] * g[1]))
         azimuth *= min(level / STEEP, 1.0)
@@ -117,8 +118,8 @@ def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
         yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate if rows else 0.0
         steepest = BURST_PITCH_RAD if share > HURRIED else MAX_PITCH_RAD
         steepest = ROW_PITCH_RAD if BASE[now] == ROW else steepest
-        climb = math.atan2(np.float64(g[2]), level)
-        climb = min(max(climb, -steepest), steepest) - math.asin(min(max(x[2], -1.0), 1.0))
+        climb = arc_tangent(np.float64(g[2]), level)
+        climb = min(max(climb, -steepest), steepest) - arc_sine(x[2])
         lift = min(max(STEER_GAIN * climb, -PITCH_RATE), PITCH_RATE) * rate
         ease = STEER_EASE * rate * rate * dt
         fishes.steering[i, 0] += np.float32(min(max(yaw - fishes.steering[i, 0], -ease), ease))

@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Ints
 from subsea.biomechanics.solver import TICK_S
+from subsea.geometry.angles import sine_cosine, within_turn
 from subsea.kernels import kernel
 from subsea.motor.controller import through_water
 from subsea.motor.playback import BASE, COAST, FAST, ROW, SIDES, blends
@@ -104,7 +105,7 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         hover = (braking * max(1.0 - way / STILL, 0.0) - least) / (most - least)
         hover = min(max(hover, 0.0), 1.0)
         apart = fishes.fin_phase[i, 1] - fishes.fin_phase[i, 0]
-        gap = (hover * np.pi - apart + np.pi) % (2.0 * np.pi) - np.pi
+        gap = within_turn(hover * np.pi - apart + np.pi) - np.pi
         abreast = min(2.0 * np.pi * ABREAST_HZ * dt, 1.0) * (1.0 - abs(turning))
         fishes.fin_phase[i, 1] += abreast * gap
         for side in range(2):
@@ -112,18 +113,19 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
             forwards = (1.0 - 2.0 * inner) * (1.0 - braking) - braking
             turned = forwards if fishes.oars[i] else 1.0
             phase = fishes.fin_phase[i, side] + turned * beat
-            fishes.fin_phase[i, side] = phase % (2.0 * np.pi)
+            fishes.fin_phase[i, side] = within_turn(phase)
+            sine, cosine = sine_cosine(phase)
             if fishes.oars[i]:
                 kept = 1.0 - OAR_FOLDED * speed * speed
-                reach, lift = kept * OAR_RAD[0], kept * OAR_RAD[1] * np.cos(phase)
+                reach, lift = kept * OAR_RAD[0], kept * OAR_RAD[1] * cosine
             else:
                 reach, lift = FLAP_RAD + EFFORT_RAD * effort, 0.0
             reach = (1.0 - burst) * (reach + hover * (SCULL_RAD[0] - reach))
-            lift += hover * (SCULL_RAD[1] * np.sin(2.0 * phase) - lift)
-            sweep = held + reach * np.sin(phase) + (lean if side == 0 else -lean)
+            lift += hover * (SCULL_RAD[1] * 2.0 * sine * cosine - lift)
+            sweep = held + reach * sine + (lean if side == 0 else -lean)
             flex = TWIST_S * pace * reach
             flex += hover * (SCULL_TWIST_RAD - flex)
-            twist = turned * flex * np.cos(phase)
+            twist = turned * flex * cosine
             if rows > 0.0:
                 middle, reach = ROW_RAD
                 rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
@@ -145,8 +147,8 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         breath = (
             fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.size_rate[i] * (1.0 + panting) * dt
         )
-        fishes.breath[i] = breath % (2.0 * np.pi)
-        fins[MOUTH] = max(GAPE * 0.5 * (1.0 - np.cos(breath)), np.float64(fishes.gape[i]))
+        fishes.breath[i] = within_turn(breath)
+        fins[MOUTH] = max(GAPE * 0.5 * (1.0 - sine_cosine(breath)[1]), np.float64(fishes.gape[i]))
         ease = min(EASE_HZ * (1.0 + BURST_EASE * burst) * dt, 1.0)
         brake = (way - TOO_FAST[0] * speed - TOO_FAST[1]) / HARD_BRAKE
         turn = max(abs(_turn_share(fishes, library, i)), abs(steering) / HARD_STEERING)
@@ -194,10 +196,11 @@ def _wave(fishes: Fishes, i: int, wide: float, cycles: float, ease: float) -> No
     fins = fishes.fins[i]
     turn = min(2.0 * np.pi * cycles * fishes.size_rate[i], MOST_WAVE_RAD)
     phase = fishes.fin_phase[i, 2] + (turn if fishes.thrust[i] >= 0.0 else -turn)
-    fishes.fin_phase[i, 2] = phase % (2.0 * np.pi)
+    fishes.fin_phase[i, 2] = within_turn(phase)
     now = np.sqrt(fins[WAVE_SINE] ** 2 + fins[WAVE_COSINE] ** 2)
     amplitude = now + ease * (wide - now)
-    fins[WAVE_SINE], fins[WAVE_COSINE] = amplitude * np.sin(phase), amplitude * np.cos(phase)
+    sine, cosine = sine_cosine(phase)
+    fins[WAVE_SINE], fins[WAVE_COSINE] = amplitude * sine, amplitude * cosine
 
 
 @kernel
