@@ -8,6 +8,7 @@
 //   GRADED  1: light is developed as the scenario's grade says
 //   BLOOM   1: light spreads around what is very bright
 //   EXACT   1: each pixel of the place is one of the canvas
+//   TONED   1: the projector's gammas differ from that of the picture
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 #include "curve.glsl"
 
@@ -19,7 +20,8 @@ uniform vec4 u_right;   // ... and of the right one
 uniform vec2 u_shown;   // pixels of the place, were it not squeezed
 uniform vec3 u_wide;    // angle of a panorama, tilt and angle of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
-uniform float u_gamma;  // of the projector
+uniform vec3 u_gamma;   // of the projector
+uniform vec3 u_tone;    // the picture's gamma over these
 uniform float u_margin; // tangent of half a cube face's angle of view
 uniform float u_whole;  // what the canvas holds is the light over this
 uniform ivec2 u_shift;  // pixels from the place to the canvas, where EXACT
@@ -170,11 +172,13 @@ vec3 light() {
 
 void main() {
     vec3 colour = LINEAR == 1 ? to_srgb(light()) : light();
+    if (TONED == 1)
+        colour = pow(max(colour, 0.0), u_tone);
     if (MASKED >= 1) {
         vec4 mask = texture(u_mask, v_place);
         colour *= mask.rgb;
         if (MASKED == 2)
-            colour = pow(pow(colour, vec3(u_gamma)) + mask.a, vec3(1.0 / u_gamma));
+            colour = pow(pow(colour, u_gamma) + mask.a, 1.0 / u_gamma);
     }
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));

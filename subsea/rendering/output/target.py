@@ -14,7 +14,7 @@ from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms, so
 from subsea.rendering.gl.textures import upload
 from subsea.rendering.output.quality import Quality
 from subsea.scenario.schema import UNGRADED, Grade
-from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
+from subsea.view.rig import CUBES, TONE, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
 BLOOM_ROWS = 200  # most rows of the blurred picture: the blur is a share of the height
@@ -239,6 +239,7 @@ class ResolvePass(GpuOwner):
         context.viewport = patch.place
         context.disable(context.DEPTH_TEST | context.BLEND)
         left, right = scaled(patch.left, scale), scaled(patch.right, scale)
+        gammas = patch.gamma if isinstance(patch.gamma, tuple) else (patch.gamma,) * 3
         exact = self._exact(patch, left, linear)
         compiled, array = self._array(number, linear, bloom is not None, exact)
         set_uniforms(
@@ -247,7 +248,8 @@ class ResolvePass(GpuOwner):
             u_left=left,
             u_right=right,
             u_wide=patch.wide,
-            u_gamma=patch.gamma,
+            u_gamma=gammas,
+            u_tone=tuple(TONE / gamma for gamma in gammas),
             u_apart=patch.apart,
             u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
@@ -283,9 +285,11 @@ class ResolvePass(GpuOwner):
         masked = self._masked[number]
         mesh = patch.warp is not None
         graded = linear and self.grade != UNGRADED
-        key = tuple(
-            map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom, exact))
-        )
+        toned = isinstance(patch.gamma, tuple)
+        chosen = (
+            patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom, exact, toned
+        )  # fmt: skip
+        key = tuple(map(int, chosen))
         if key not in self._programs:
             names = (
                 "WEAVE",
@@ -297,6 +301,7 @@ class ResolvePass(GpuOwner):
                 "GRADED",
                 "BLOOM",
                 "EXACT",
+                "TONED",
             )
             constants = dict(zip(names, key, strict=True))
             self._programs[key] = self.own(program(self._context, "resolve", **constants))

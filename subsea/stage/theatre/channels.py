@@ -36,9 +36,10 @@ from subsea.stage.theatre.screens import (
     screen_of,
 )
 from subsea.stage.theatre.warp import continued, cropped, identity, rasterized, subdivided
-from subsea.view.rig import Projection, Rect, Warp, overlap
+from subsea.view.rig import Projection, Rect, Rgb, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
 
+NEUTRAL = 1.0, 1.0, 1.0, 0.0  # of a mask: values that change nothing
 COARSER = 4  # pixels of a projector a side for one of its blending mask
 PIECE = math.radians(1.0)  # of a curved screen, which counts as flat within it
 TALL = 8  # pieces of its height
@@ -55,7 +56,7 @@ class ProjectorChannel:
     window: int  # number of its window in the theatre
     place: Rect  # in its window, origin lower left
     distance_cm: float  # of its screen, or of the plane in which that lies, from the eyes
-    gamma: float
+    gamma: float | Rgb
     black: float
     screen: Screen | None = None  # None for panoramas, domes and the like
     shape: Projection = Projection.FLAT
@@ -155,6 +156,13 @@ def _file_channel(
     if channel.mask is not None:
         picture = _mask_picture(folder / channel.mask, (width, height))
         lighted = replace(lighted, mask=_masked(lighted.mask, picture))
+    if channel.black_mask is not None:
+        added = _mask_picture(folder / channel.black_mask, (width, height))
+        lighted = replace(lighted, mask=_with_added(lighted.mask, added[..., 0]))
+    if channel.gain != (1.0, 1.0, 1.0):
+        bright: Array = np.array([[NEUTRAL]]) if lighted.mask is None else lighted.mask.copy()
+        bright[..., :3] *= np.array(channel.gain) ** (1.0 / np.broadcast_to(lighted.gamma, 3))
+        lighted = replace(lighted, mask=bright)
     return lighted
 
 
@@ -172,6 +180,16 @@ def _masked(mask: Array | None, picture: Array) -> Array:
     if mask is not None:
         height, width = picture.shape[:2]
         factors[..., :3] *= stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    return factors
+
+
+def _with_added(mask: Array | None, light: Array) -> Array:
+    """A mask (h, w, 4) that adds light (h, w)."""
+    height, width = light.shape
+    factors = np.tile(np.array(NEUTRAL, np.float32), (height, width, 1))
+    if mask is not None:
+        factors[..., :3] = stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    factors[..., 3] = light
     return factors
 
 
@@ -270,24 +288,23 @@ def _with_masks(usable: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
             places = continued(drawn[..., :2], drawn[..., 2] > 0).reshape(-1, 2).clip(0.0, 1.0)
         mask = blend_mask(lamps, together.index(channel), places).reshape(size[1], size[0], 4)
         if channel.mask is not None:  # the mesh's own brightness
-            mask = mask * _resized(channel.mask, size)
+            own = _resized(channel.mask, size)
+            mask = np.concatenate([mask[..., :3] * own[..., :3], mask[..., 3:] + own[..., 3:]], 2)
         yield replace(channel, mask=mask.astype(np.float32))
 
 
 def _resized(mask: Array, size: tuple[int, int]) -> Array:
-    """A mask at another size, by its nearest values; the last column becomes 1."""
+    """A mask at another size, by its nearest values."""
     rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
     columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
-    resized = mask[rows][:, columns].copy()
-    resized[..., 3] = 1.0
-    return resized
+    return np.asarray(mask[rows][:, columns])
 
 
 class Projector(NamedTuple):
     """A projector: its screen and its light."""
 
     screen: Screen
-    gamma: float
+    gamma: float | Rgb
     black: float  # share of its white that it shines when dark
 
 
@@ -327,8 +344,8 @@ def blend_mask(projectors: Sequence[Projector], number: int, places: Array) -> A
     most = max(int(np.max(counts)), int(here.max(initial=1)))
     lifted = projector.black * (most - here) / np.maximum(here, 1)
     white = 1.0 - max(other.black for other in projectors) * (most - 1)
-    factor = (light * white) ** (1.0 / projector.gamma)
-    return np.column_stack([factor, factor, factor, lifted])
+    factor = (light * white)[:, None] ** (1.0 / np.broadcast_to(projector.gamma, 3))
+    return np.column_stack([factor, lifted])
 
 
 def _blend_weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:

@@ -107,6 +107,20 @@ def test_blended_luminance_is_constant_within_two_percent(context, tmp_path, lev
     assert min(row.min() for row in light) < 0.1 * level**GAMMA  # it was blended at all
 
 
+def test_gammas_for_each_colour_give_the_light_of_the_usual_one(context):
+    place, levels = (0, 0, 5, 1), np.array([0.0, 0.1, 0.3, 0.6, 1.0])
+    gammas = np.array([1.8, 2.2, 2.6])
+    mask = np.tile([0.9, 0.8, 0.7, 0.05], (1, 5, 1)).astype(np.float32)
+    for added in (None, mask):
+        patch = DisplayPatch(place, place, place, mask=added, gamma=tuple(gammas.tolist()))
+        rig = CameraRig((5, 1), ((5, 1),), (), (patch,))
+        (picture,) = shown(context, rig, np.repeat(levels, 3).reshape(1, 5, 3))
+        light = np.repeat(levels[:, None] ** 2.2, 3, axis=1)
+        if added is not None:
+            light = light * np.array([0.9, 0.8, 0.7]) ** gammas + 0.05
+        np.testing.assert_allclose(picture[0], light ** (1 / gammas), atol=1.1 / 255)
+
+
 @pytest.mark.parametrize("gamma", [1.8, 2.4])
 def test_a_mask_adds_light_not_values(context, gamma):
     place, levels = (0, 0, 5, 1), np.array([0.0, 0.1, 0.3, 0.6, 1.0])
