@@ -16,7 +16,7 @@ from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING, Presented
 from subsea.submarine.vessel import Helm, Rail
 
-PROTOCOL = 6
+PROTOCOL = 7
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
 SMALL = 4096  # bytes; all messages but the state of a dive are smaller
 PART = 3800  # bytes of a state in a message to the master: with all around them below SMALL

@@ -111,6 +111,15 @@ class ShowLineUp(PresenterCommand, frozen=True, tag="line-up"):
     on: bool
 
 
+class ShowStructuredLight(PresenterCommand, frozen=True, tag="structured-light"):
+    """The command `structured-light`."""
+
+    number: Annotated[
+        int,
+        Meta(ge=-1, le=10_000, description="from 1; 0: the sea again; -1: the next"),
+    ] = -1
+
+
 COMMANDS: dict[type[PresenterCommand], str] = {
     OpenScenario: "Open a scenario",
     StartTour: "Start a tour",
@@ -126,6 +135,7 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     SetVolume: "Set the volume",
     BlankScreens: "Make all screens black, or show the sea again",
     ShowLineUp: "Show the test pattern on all screens, or the sea again",
+    ShowStructuredLight: "Show a picture of a theatre's structured light to calibrate it",
 }
 """The commands with their purposes, for clients and the reference."""
 NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}

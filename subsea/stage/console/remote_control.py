@@ -2,6 +2,7 @@
 
 import ctypes
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -23,6 +24,7 @@ from subsea.stage.console.board import Board
 from subsea.stage.console.options import ConsoleOptions
 from subsea.stage.console.server import ConsoleServer
 from subsea.stage.show_player import ShowScreens
+from subsea.stage.structured_light import StructuredLight
 from subsea.ui.menu import scenario_summaries
 from subsea.view.front_screen import front_view
 from subsea.world.feeding import EVERY_S
@@ -86,9 +88,15 @@ class RemoteControl:
     """Applies commands of the board between two frames, and publishes the dive on it."""
 
     def __init__(
-        self, dive: "Dive", board: Board, server: ConsoleServer, show: ShowScreens | None = None
+        self,
+        dive: "Dive",
+        board: Board,
+        server: ConsoleServer,
+        show: ShowScreens | None = None,
+        light: Callable[[], StructuredLight] | None = None,
     ) -> None:
-        """`server` serves the board; `show` is the one that the dive plays."""
+        """`server` serves the board; `show` is the one that the dive plays, `light` a theatre's."""
+        self._light = light
         self.presented = NOTHING  # over the picture
         self._dive, self._board, self._server, self._show = dive, board, server, show
         self._presentation = Presentation()
@@ -191,6 +199,10 @@ class RemoteControl:
                 if dive.picture.pattern != on:
                     dive.picture.show_pattern(dive.overlay.help_hidden)
                 return "the screens show the test pattern" if on else "the screens show the sea"
+            case commands.ShowStructuredLight(number):
+                if self._light is None:
+                    raise UserError("no projectors to calibrate: begin the dive with --theatre")
+                return self._light().show(number)
         raise NotImplementedError(type(command).__name__)
 
     def _open_scenario(self, name: str) -> str:
@@ -348,7 +360,10 @@ class RemoteControl:
 
 
 def open_console(
-    dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None
+    dive: "Dive",
+    options: ConsoleOptions,
+    show: ShowScreens | None = None,
+    light: Callable[[], StructuredLight] | None = None,
 ) -> RemoteControl | None:
     """Open the console of a dive; a fault, such as a port that is taken, is one line."""
     if not dive.tick_source.has_pilot:
@@ -361,7 +376,7 @@ def open_console(
         dive.note(str(fault))
         return None
     say(f"the presenter's console: {options.url}")
-    return RemoteControl(dive, board, server, show)
+    return RemoteControl(dive, board, server, show, light)
 
 
 def _scenarios() -> list[dict[str, str]]:
