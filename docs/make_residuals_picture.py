@@ -16,7 +16,7 @@ from subsea.stage.calibration.optics import ORDINARY
 from tests.support.lit_room import look, planned_room, write_points
 
 SIZE = 320, 180
-MARKS = [(x, y, 400.0) for x in (-290, -150, 0, 120) for y in (-60, 70)]
+MARKS = [(x, y, 400.0) for x in (-290, -180, -60, 60) for y in (-60, 70)]
 
 
 def main() -> None:
@@ -26,7 +26,7 @@ def main() -> None:
         path, room = planned_room("wall", SIZE, folder, projectors=2, width=600, distance=400)
         room.noise = 2.0
         camera = look(
-            (-200, 30, -60), (-110, 0, 400), (560, 330), ORDINARY, 400, (-0.1, 0.02), (3, -2)
+            (-200, 30, -60), (-170, 0, 400), (560, 330), ORDINARY, 400, (-0.1, 0.02), (3, -2)
         )
         room.photograph(camera, folder / "photographs")
         write_points(folder / "photographs" / "points.toml", camera, MARKS)

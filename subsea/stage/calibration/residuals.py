@@ -8,6 +8,7 @@ from subsea.stage.calibration.meshes import MeasuredProjector
 
 WIDE = 640  # pixels of the picture
 CELL_PX = 10  # of the picture, over which residuals are averaged
+NEAR_CELLS = 2.5  # a cell that is farther from those with blocks was not seen
 WORST_PX = 2.0  # residual of the last colour, pixels of the projector
 UNSEEN = 70, 70, 75
 # Dark blue, green, yellow, red: from no residual to WORST_PX.
@@ -15,7 +16,12 @@ COLOURS = np.array([[20, 30, 90], [0, 140, 110], [250, 220, 60], [210, 30, 30]],
 
 
 def residual_picture(name: str, measured: MeasuredProjector) -> Bytes:
-    """The picture (h, w, 3) of a projector as it shines: the rms residual of each cell."""
+    """The picture (h, w, 3) of a projector as it shines: the rms residual of each cell.
+
+    Blocks of a camera may be farther apart than cells, so a cell without takes the nearest one's.
+    """
+    from scipy.ndimage import distance_transform_edt
+
     width, height = measured.size
     scale = WIDE / width
     columns, rows = WIDE // CELL_PX, max(round(height * scale / CELL_PX), 1)
@@ -24,7 +30,9 @@ def residual_picture(name: str, measured: MeasuredProjector) -> Bytes:
     count = np.bincount(number, minlength=rows * columns)
     total = np.bincount(number, (measured.error_px**2).sum(axis=1), minlength=rows * columns)
     rms = np.sqrt(total / np.maximum(count, 1)).reshape(rows, columns)
-    cells = np.where(count.reshape(rows, columns, 1) > 0, coloured(rms), UNSEEN)
+    empty = count.reshape(rows, columns) == 0
+    away, (row, column) = distance_transform_edt(empty, return_indices=True)
+    cells = np.where((away < NEAR_CELLS)[..., None], coloured(rms[row, column]), UNSEEN)
     body = np.kron(cells.astype(np.uint8), np.ones((CELL_PX, CELL_PX, 1), np.uint8))
     head = Image.new("RGB", (WIDE, 56), (250, 250, 247))
     draw, font = ImageDraw.Draw(head), ImageFont.load_default(15)

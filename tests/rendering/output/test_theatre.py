@@ -13,6 +13,13 @@ from subsea.stage.theatre.screens import points_on
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.stage.theatre.warp import mesh
 from subsea.view.rig import CUBES, CameraRig, DisplayPatch, pose_from_angles, views
+from subsea.view.structured_light import (
+    UNIFORM,
+    bare,
+    light_patterns,
+    light_picture,
+    lit_picture,
+)
 from subsea.view.surround import Surround, directions
 from subsea.view.test_pattern import lineup
 
@@ -119,6 +126,19 @@ def test_gammas_for_each_colour_give_the_light_of_the_usual_one(context):
         if added is not None:
             light = light * np.array([0.9, 0.8, 0.7]) ** gammas + 0.05
         np.testing.assert_allclose(picture[0], light ** (1 / gammas), atol=1.1 / 255)
+
+
+def test_structured_light_comes_from_one_projector_pixel_by_pixel(context, tmp_path):
+    _, _, rig = opened(tmp_path)
+    assert all(patch.mask is not None and patch.warp is not None for patch in rig.patches)
+    plain, number = bare(rig), len(UNIFORM) + 6  # of a pattern of columns
+    picture = lit_picture(plain, 1, number)
+    plain = plain._replace(canvas=picture.shape[1::-1])
+    left, middle, right = shown(context, plain, picture / 255)
+    size = plain.patches[1].place[2:]
+    stripes = light_picture(light_patterns(size)[number], size) / 255
+    np.testing.assert_allclose(middle, stripes, atol=1.1 / 255)
+    assert max(left.max(), right.max()) < 1.1 / 255
 
 
 @pytest.mark.parametrize("gamma", [1.8, 2.4])

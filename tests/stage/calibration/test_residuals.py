@@ -16,6 +16,7 @@ def test_colours_tell_how_far_off_each_part_is():
     picture = residual_picture("left", measured)
     assert picture.shape[1] == WIDE and picture.dtype == np.uint8
     body = picture[-400:]
+    assert not (body[:180] == UNSEEN).all(axis=2).any()
     np.testing.assert_array_equal(body[100, 100], coloured(np.zeros(1))[0].astype(int))
     np.testing.assert_array_equal(body[100, 500], coloured(np.full(1, WORST_PX))[0].astype(int))
     np.testing.assert_array_equal(body[300, 300], UNSEEN)
