@@ -1,4 +1,4 @@
-"""Make residuals.png: what a camera measured of a projector, a part of which it did not see.
+"""Make residuals.png: the errors of a projector that a camera saw in part.
 
 PYTHONPATH=. python docs/make_residuals_picture.py
 

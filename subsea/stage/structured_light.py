@@ -36,7 +36,7 @@ class StructuredLight:
 
     @property
     def words(self) -> str:
-        """What is shown, for people."""
+        """The step that is shown, for people."""
         if self.number == 0:
             return "the screens show the sea"
         return f"{self.number} of {len(self._steps)}: {self._steps[self.number - 1].words}"

@@ -50,7 +50,7 @@ def light_patterns(size: tuple[int, int]) -> tuple[LightPattern, ...]:
 
 
 def bits(pixels: int) -> int:
-    """The bits of the Gray code of so many columns or rows."""
+    """The number of bits of the Gray code of a number of columns or rows."""
     return max((-(-pixels // STRIPE_PX) - 1).bit_length(), 1)
 
 

@@ -32,7 +32,7 @@ class InverseMesh(NamedTuple):
 
 @dataclass(frozen=True)
 class Footprint:
-    """What a projector lights, over the pixels of its mask."""
+    """The part of the screen that a projector lights, over the pixels of its mask."""
 
     measured: MeasuredProjector
     points: Array  # (h, w, 3) of the room; NaN: none

@@ -79,7 +79,7 @@ class PhotoReader:
 def _decode_projector(
     paths: Sequence[Path], steps: Sequence[LightStep], camera: int, reader: PhotoReader
 ) -> SeenLight | None:
-    """What a camera saw of one projector; None if nothing."""
+    """Decode the photographs of one projector; None if the camera saw nothing of it."""
     uniform = [reader.read(path) for path in paths[: len(UNIFORM)]]
     white, black = (_brightness(picture) for picture in uniform[:2])
     contrast = white - black

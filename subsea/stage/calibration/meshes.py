@@ -25,7 +25,7 @@ STEEPEST_BEND = 0.08
 
 
 class MeasuredProjector(NamedTuple):
-    """What a projector lights."""
+    """The places of the screen that a projector lights."""
 
     surface: LitSurface  # of its channel
     size: tuple[int, int]

@@ -32,7 +32,7 @@ class LightStep(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What is shown, for messages."""
+        """The pattern and its channel, for messages."""
         return f"{self.pattern.name} of {self.name!r}"
 
 
@@ -107,7 +107,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def _first_break(paths: Sequence[Path], steps: Sequence[LightStep]) -> str:
-    """Where the photographs stop to follow the steps.
+    """Find where the photographs stop to follow the steps, in words.
 
     A bit and its inverse light each point once. So their light adds up to that of white and black.
     """

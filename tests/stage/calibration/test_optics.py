@@ -38,7 +38,7 @@ def hung(place, target, half, bend):
 
 
 def blocks(lamp, surface, camera, channel=0, noise_px=0.15):
-    """What a camera sees of a projector, without photographs."""
+    """The blocks that a camera sees of a projector, without photographs."""
     x, y = (np.linspace(2, side - 2, 40) for side in lamp.size)
     shown = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     points = surface.meet(lamp.place, lamp.rays(shown))
