@@ -48,7 +48,7 @@ class TheatrePart(DivePart):
         """`shrink` divides the pixels; without a `node` this computer shows all windows.
 
         A master that `resumes` goes on with the dive of its nodes when it is restarted. With
-        `light` the dive shows structured light, each picture for that time in seconds; 0: until a key.
+        `light` the dive shows structured light, each picture for that time, s; 0: until a key.
         """
         self.name, self.shrink, self.node, self.resumes = name, shrink, node, resumes
         self._light_s = light
