@@ -9,6 +9,7 @@
 //   BLOOM   1: light spreads around what is very bright
 //   EXACT   1: each pixel of the place is one of the canvas
 //   DEEP    1: the picture becomes a film of 10 bits
+//   TONED   1: the projector's gammas differ from that of the picture
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 //   ADJUSTED  1: colours are weakened, and it is dark beyond the edge mask
 #include "curve.glsl"
@@ -21,13 +22,14 @@ uniform vec4 u_right;   // ... and of the right one
 uniform vec2 u_shown;   // pixels of the place, were it not squeezed
 uniform vec3 u_wide;    // angle of a panorama, tilt and angle of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
-uniform float u_gamma;  // of the projector
+uniform vec3 u_gamma;   // of the projector
+uniform vec3 u_tone;    // the picture's gamma over these
 uniform float u_margin; // tangent of half a cube face's angle of view
 uniform float u_whole;  // what the canvas holds is the light over this
 uniform ivec2 u_shift;  // pixels from the place to the canvas, where EXACT
 
 uniform sampler2D u_bloom;
-uniform vec3 u_tone;    // factors on the values of red, green and blue
+uniform vec3 u_weaker;  // factors on the values of red, green and blue
 uniform vec2 u_edge[32];  // corners of the edge mask, pixels of the output
 uniform int u_edges;    // how many; 0: no mask
 uniform float u_soft;   // pixels of the fade across its edge
@@ -192,16 +194,18 @@ float let_through(vec2 pixel) {
 
 void main() {
     vec3 colour = LINEAR == 1 ? to_srgb(light()) : light();
+    if (TONED == 1)
+        colour = pow(max(colour, 0.0), u_tone);
     if (ADJUSTED == 1)
-        colour *= u_tone;
+        colour *= u_weaker;
     if (MASKED >= 1) {
         vec4 mask = texture(u_mask, v_place);
         colour *= mask.rgb;
         if (MASKED == 2)
-            colour = pow(pow(colour, vec3(u_gamma)) + mask.a, vec3(1.0 / u_gamma));
+            colour = pow(pow(colour, u_gamma) + mask.a, 1.0 / u_gamma);
     }
     if (ADJUSTED == 1 && u_edges > 0)
-        colour *= pow(let_through(gl_FragCoord.xy), 1.0 / u_gamma);
+        colour *= pow(vec3(let_through(gl_FragCoord.xy)), 1.0 / u_gamma);
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
     const float LEVELS = DEEP == 1 ? 1023.0 : 255.0;
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));

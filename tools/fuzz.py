@@ -48,6 +48,7 @@ from subsea.media.record import read_record
 from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.scenario.storage import read_thumbnail
+from subsea.stage.calibration.points import read_points
 from subsea.stage.cluster import messages
 from subsea.stage.show_file import load_show
 from subsea.stage.theatre.channels import usable_channels
@@ -254,6 +255,10 @@ def sheets(folder: Path) -> list[bytes]:
     return [(folder / "sheet.png").read_bytes()]
 
 
+POINTS = b"".join(
+    b'[[point]]\nname = "mark"\nat_cm = [%d, 0, 300.5]\npixel = [%d, 20]\n' % (x, x + 100)
+    for x in range(-60, 61, 20)
+)
 SHOW = b"""title = "a show"
 fade_s = 2
 [hours]
@@ -329,6 +334,7 @@ KINDS = {
         lambda folder: [one + LAMPS for one in shipped("assets/theatres", ".toml")(folder)],
         lambda p: load_theatre(str(p)),
     ),
+    "points": Kind(".toml", lambda unused: [POINTS], lambda p: read_points(p, np.zeros(3), [])),
     "show": Kind(".toml", lambda unused: [SHOW], load_show),
     "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
     "snapshot": Kind(

@@ -23,6 +23,7 @@ EXTRAS = {
     "cluster": {"distributed": "Dask"},
     "sweep": {"pyarrow": "PyArrow"},
     "sobol": {"scipy": "SciPy"},
+    "calibrate": {"scipy": "SciPy"},
     "tracks": {"xarray": "xarray", "netCDF4": "netCDF4", "pandas": "pandas", "tables": "PyTables"},
     "headset": {"xr": "pyopenxr"},
     "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
@@ -40,6 +41,7 @@ INSTALL_WINDOW = f"{INSTALL_HEADLESS} {WINDOW}"
 LIBRARY_SETTINGS = "LD_PRELOAD", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "PYTHONPATH"
 # Installed by `make bench`.
 BENCH = (
+    "calibrate",
     "console",
     "cues",
     "headset",

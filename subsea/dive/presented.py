@@ -10,6 +10,7 @@ MAX_CAPTION = 300  # characters, as in a direction
 BLANK_S = 0.5  # in which the screens become black
 
 Opacity = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Number = Annotated[int, msgspec.Meta(ge=0, le=1000)]
 
 
 class Presented(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -19,6 +20,8 @@ class Presented(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     pattern: bool = False  # the test pattern instead of the sea
     caption: Annotated[str, msgspec.Meta(max_length=MAX_CAPTION)] = ""  # the presenter's own
     opacity: Opacity = 0.0  # of the caption
+    # Number of a channel and of its picture of structured light, instead of the sea.
+    light: tuple[Number, Number] | None = None
 
 
 NOTHING = Presented()
@@ -29,7 +32,8 @@ def with_show(presenter: Presented, shade: float, caption: Caption) -> Presented
     words, opacity = presenter.caption, presenter.opacity
     if not words:
         words, opacity = caption.words[:MAX_CAPTION], caption.opacity
-    return Presented(max(presenter.blank, shade), presenter.pattern, words, opacity)
+    blank = max(presenter.blank, shade)
+    return msgspec.structs.replace(presenter, blank=blank, caption=words, opacity=opacity)
 
 
 class Presentation:

@@ -11,6 +11,9 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
+from subsea.base.command_line import number_reader
 from subsea.base.errors import UserError
 from subsea.base.progress import say
 from subsea.dive import arguments as shared
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
     from subsea.stage.console.remote_control import RemoteControl
     from subsea.stage.line_up import TheatreLineUp
     from subsea.stage.show_player import ShowScreens
+    from subsea.stage.structured_light import StructuredLight
     from subsea.ui.dive import Dive
     from subsea.ui.monitors import Installation
 
@@ -39,13 +43,17 @@ class TheatrePart(DivePart):
     waits = True
 
     def __init__(
-        self, name: str, shrink: int = 1, node: str | None = None, resumes: bool = True
-    ) -> None:
+        self, name: str, shrink: int = 1, node: str | None = None, resumes: bool = True,
+        light: float | None = None,
+    ) -> None:  # fmt: skip
         """`shrink` divides the pixels; without a `node` this computer shows all windows.
 
-        A master that `resumes` goes on with the dive of its nodes when it is restarted.
+        A master that `resumes` goes on with the dive of its nodes when it is restarted. With
+        `light` the dive shows structured light, each picture for that time, s; 0: until a key.
         """
         self.name, self.shrink, self.node, self.resumes = name, shrink, node, resumes
+        self._light_s = light
+        self._light: StructuredLight | None = None
         self._installation: tuple[Installation, TickSourceMaker] | None = None
         self.line_up: TheatreLineUp | None = None  # None: not planned yet
 
@@ -63,6 +71,15 @@ class TheatrePart(DivePart):
             action="store_true",
             help="on the master: start the dive from its beginning, even if nodes are in one",
         )
+        parser.add_argument(
+            "--structured-light",
+            type=number_reader(float, 0.2, 600.0),
+            nargs="?",
+            const=0.0,
+            metavar="SECONDS",
+            help="in a theatre: show its projectors' structured light for a camera, so long each "
+            "(default: until the key for the next cue): docs/how-to/calibrate.md",
+        )
 
     @classmethod
     def made(cls, options: Namespace, dive: "DiveOptions") -> "TheatrePart | None":
@@ -77,9 +94,16 @@ class TheatrePart(DivePart):
             raise UserError("--node needs --theatre too")
         if options.no_resume and options.node is None:
             raise UserError("--no-resume needs --theatre and --node too")
+        if options.structured_light is not None and options.theatre is None:
+            raise UserError("--structured-light needs --theatre too")
+        if options.structured_light is not None and options.display != "mono":
+            raise UserError("--structured-light is for one eye: drop --display")
         if options.theatre is None:
             return None
-        return cls(options.theatre, options.shrink, options.node, not options.no_resume)
+        return cls(
+            options.theatre, options.shrink, options.node, not options.no_resume,
+            options.structured_light,
+        )  # fmt: skip
 
     def check(self, options: "DiveOptions") -> None:
         """Raise a UserError for a theatre that cannot be shown."""
@@ -111,6 +135,12 @@ class TheatrePart(DivePart):
             if cluster is not None and self.node != cluster.master:
                 raise UserError(f"--playlist is for the master of the cluster, {cluster.master!r}")
             check_for_cluster(screens.show, screens.path)
+        if self._light_s is not None:
+            cluster = load_theatre(self.name)[0].cluster
+            if self.node is not None and cluster is not None and self.node != cluster.master:
+                message = f"--structured-light is for the master of the cluster, {cluster.master!r}"
+                raise UserError(message)
+            self.light.show(0 if self._light_s else 1)
         leads = any(part.leads for part in options.parts)
         shown = theatre_windows(self, options.display, leads)
         self._installation = shown.installation, shown.make_ticks
@@ -127,11 +157,36 @@ class TheatrePart(DivePart):
         if self.line_up is not None:
             self.line_up.listen(dive)
 
+    @property
+    def light(self) -> "StructuredLight":
+        """The structured light of the theatre; a UserError if it can have none."""
+        if self._light is None:
+            from subsea.stage.calibration.lit_theatre import lit_theatre
+            from subsea.stage.calibration.photographs import light_steps
+            from subsea.stage.structured_light import StructuredLight
+
+            steps = light_steps(lit_theatre(self.name).channels, self.shrink)
+            self._light = StructuredLight(steps, self._light_s or None)
+        return self._light
+
     def before(self, dive: "Dive", elapsed_s: float) -> bool:
-        """Let all computers show the line-up."""
+        """Let all computers show the line-up, and go on with structured light by the clock."""
         if self.line_up is not None:
             self.line_up.before(dive)
+        if self._light is not None:
+            self._light.update(elapsed_s)
         return False
+
+    def over(self, presented: "Presented") -> "Presented":
+        """Show structured light instead of the sea."""
+        if self._light is None or self._light.shown is None:
+            return presented
+        return msgspec.structs.replace(presented, light=self._light.shown)
+
+    def cue(self) -> None:
+        """Go on to the next picture of structured light, if one is shown."""
+        if self._light is not None and self._light.number:
+            self._light.cue()
 
     def ticked(self, dive: "Dive") -> None:
         """Show the line-up of this picture."""
@@ -141,6 +196,11 @@ class TheatrePart(DivePart):
     def shown(self, dive: "Dive") -> None:
         """Open what the master of this node has opened."""
         self._master.follow(dive)
+
+
+def theatre_of(parts: Sequence[DivePart]) -> TheatrePart | None:
+    """The theatre among the parts of a dive; None: the dive is in a window of its own."""
+    return next((part for part in parts if isinstance(part, TheatrePart)), None)
 
 
 class ShowPart(DivePart):
@@ -288,8 +348,10 @@ class ConsolePart(DivePart):
         """Open the console; a fault, such as a port that is taken, is one line."""
         from subsea.stage.console.remote_control import open_console
 
-        line_up = next((part.line_up for part in dive.parts if isinstance(part, TheatrePart)), None)
-        self.remote = open_console(dive, self._options, show_of(dive.parts), line_up)
+        theatre = theatre_of(dive.parts)
+        line_up = None if theatre is None else theatre.line_up
+        light = None if theatre is None else lambda: theatre.light
+        self.remote = open_console(dive, self._options, show_of(dive.parts), line_up, light)
 
     def beat(self) -> None:
         """Note that the dive is alive."""
@@ -473,7 +535,8 @@ class ServicePart(DivePart):
             return None
         from subsea.stage.service import write_unit
 
-        node = next((part.node for part in options.parts if isinstance(part, TheatrePart)), None)
+        theatre = theatre_of(options.parts)
+        node = None if theatre is None else theatre.node
         out = None if self.unit == Path() else self.unit
         return write_unit(words, options, node, out)
 

@@ -134,8 +134,8 @@ def theatre_digest(name: str) -> str:
     """A digest of a theatre file and of the calibration files that it names."""
     theatre, path = load_theatre(name)
     made = theatre.meshes if isinstance(theatre, ImportedTheatre) else {}
-    files = [file for one in theatre.channel for file in (one.warp, one.mask) if file is not None]
-    named = [file for file in files if file not in made]
+    files = [file for one in theatre.channel for file in (one.warp, one.mask, one.black_mask)]
+    named = [file for file in files if file is not None and file not in made]
     named += [archive.file for archive in theatre.mpcdi]
     whole = sha256()
     for mesh in made.values():

@@ -28,6 +28,8 @@ def add(commands: Any) -> None:
             "subsea theatre cave --picture room.png",
             "subsea theatre --new --out foyer.toml",
             "subsea theatre --new dome --projectors 6 --radius 400 --out dome6.toml",
+            "subsea theatre dome6.toml --patterns patterns",
+            "subsea theatre dome6.toml --calibrate photographs",
         ],
     )
     parser.add_argument(
@@ -42,11 +44,35 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--new", metavar="KIND", nargs="?", const="", help="write a new theatre; no KIND: ask"
     )
-    parser.add_argument("--out", metavar="FILE", type=Path, help="file of the new theatre")
+    parser.add_argument(
+        "--out", metavar="FILE", type=Path, help="file of the new or calibrated theatre"
+    )
     for one in MEASURES:
         parser.add_argument(f"--{one.name}", metavar="N", type=one.reader, help=one.text)
     parser.add_argument(
         "--computers", action="store_true", help="one computer for each projector of a new theatre"
+    )
+    group = parser.add_argument_group(
+        "calibrate with a camera", "by photographs of structured light: docs/how-to/calibrate.md"
+    )
+    group.add_argument(
+        "--patterns",
+        metavar="DIR",
+        type=Path,
+        help="write the structured light as pictures, and a points.toml to fill in",
+    )
+    group.add_argument(
+        "--calibrate",
+        metavar="PHOTOS",
+        type=Path,
+        help="measure the projectors by a folder of photographs, or one with a folder for each "
+        "camera, and write NAME-calibrated.toml (needs the extra `calibrate`)",
+    )
+    group.add_argument(
+        "--points",
+        metavar="FILE",
+        type=Path,
+        help="reference points of a camera (default: points.toml beside its photographs)",
     )
     add_force(parser)
     parser.set_defaults(run=run)
@@ -55,12 +81,18 @@ def add(commands: Any) -> None:
 def run(options: Namespace) -> int:
     """Describe or write a theatre; 1 if a part of it does not work."""
     given = {one.name: getattr(options, one.name) for one in MEASURES}
+    if options.points is not None and options.calibrate is None:
+        raise UserError("--points needs --calibrate too")
     if options.new is None:
-        for name in ("out", "computers", *given):
+        for name in ("computers", *given):
             if getattr(options, name) not in (None, False):
                 raise UserError(f"--{name} needs --new too")
+        if options.out is not None and options.calibrate is None:
+            raise UserError("--out needs --new or --calibrate too")
         if options.name is None:
             raise UserError("theatre: expected a name or a file, or --new")
+        if options.patterns is not None or options.calibrate is not None:
+            return _calibrate(options)
         from subsea.stage.setup import describe
 
         code = describe(options.name, options.write, options.force)
@@ -73,6 +105,8 @@ def run(options: Namespace) -> int:
         raise UserError(f"theatre: --new writes to --out FILE, drop {options.name!r}")
     if options.write is not None:
         raise UserError("theatre: --new writes to --out FILE, drop --write")
+    if options.patterns is not None or options.calibrate is not None:
+        raise UserError("theatre: --patterns and --calibrate go without --new")
     if options.out is None:
         raise UserError("theatre: --new needs --out FILE.toml")
     from subsea.stage.plan import NewTheatre, write_theatre
@@ -82,3 +116,18 @@ def run(options: Namespace) -> int:
             options.new, given, options.out, options.picture, options.computers, options.force
         )
     )
+
+
+def _calibrate(options: Namespace) -> int:
+    """Write patterns, or measure a theatre by photographs of them."""
+    for name in ("write", "picture"):
+        if getattr(options, name) is not None:
+            raise UserError(f"theatre: --patterns and --calibrate go without --{name}")
+    from subsea.stage.calibration.calibrate import CalibrationOptions, calibrate, write_patterns
+
+    if options.patterns is not None:
+        write_patterns(options.name, options.patterns, options.force)
+    if options.calibrate is not None:
+        wanted = CalibrationOptions(options.calibrate, options.points, options.out, options.force)
+        calibrate(options.name, wanted)
+    return 0

@@ -368,7 +368,9 @@ class Dive:
         for part in self.parts:
             part.ticked(self)
         picture, ride = self.picture, self.picture.ride
-        picture.follow_pattern(self.tick_source.presented.pattern, self.overlay.help_hidden)
+        presented = self.tick_source.presented
+        picture.follow_pattern(presented.pattern, self.overlay.help_hidden)
+        picture.follow_light(presented.light, self.overlay.help_hidden)
         picture.alpha = picture.alpha if alpha is None else alpha
         eye = self.photo.eye(elapsed_s) if self.photo.open else self.tick_source.eye()
         last_eye, picture.eye = picture.eye, eye

@@ -49,6 +49,7 @@ from subsea.view.levels import empty_lod_state
 from subsea.view.retina import fish_eyes, retina_rig, retinal_views
 from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
+from subsea.view.structured_light import bare, lit_picture
 from subsea.view.theatre_vessel import PANEL_SIZE
 from subsea.world.world import World
 
@@ -103,7 +104,7 @@ class ScenePicture:
         self.eye: CameraPose
         self.rig: CameraRig
         self.ride: Ride | None = None
-        self.pattern = False  # True if the test pattern is shown
+        self.pattern = False  # True if the test pattern or structured light is shown
         self.colours: RetinaColours = "colours"  # of retina pictures
         self.eyes_shown = True  # True if retina pictures are shown
         self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
@@ -118,6 +119,8 @@ class ScenePicture:
         self._wanted_pattern = False  # what a presenter last wanted
         self._canvas: CanvasMaker = _test_pattern  # what is shown as a pattern ...
         self._marks: Mapping[int, Array] = {}  # ... and over it, by patch
+        self._wanted_light: tuple[int, int] | None = None
+        self._light: tuple[int, int] | None = None  # channel and number of its structured light
         self._saw: tuple[Ride, int] | None = None  # the last ride and tick that saw the light
         self._drawn: Packet | None = None
         self._seen: tuple[View, ...] = ()  # views of the current picture
@@ -236,12 +239,13 @@ class ScenePicture:
         """Set up the renderer for the rig, with retina pictures or a test pattern."""
         rig, self.insets = with_insets(self.rig) if self._with_insets(clear) else (self.rig, ())
         self._seen = ()
-        self.renderer.arrange(rig)
+        self.renderer.arrange(rig if self._light is None else bare(rig))
         self._draw_pattern()
 
     def show_pattern(self, clear: bool) -> None:
-        """Toggle the test pattern."""
+        """Toggle the test pattern; this ends structured light."""
         self.pattern = not self.pattern
+        self._light = None
         self._pace = adaptive_quality.resumed(self._pace)
         self.arrange(clear)
 
@@ -257,14 +261,28 @@ class ScenePicture:
     ) -> None:
         """Take another fixed rig, and show a canvas with marks instead of the sea; None: the sea.
 
-        Both are as `Renderer.show` takes them.
+        Both are as `Renderer.show` takes them. This ends structured light.
         """
         self._fixed, self._canvas, self._marks = rig, canvas or _test_pattern, marks
+        self._light = None
         self._take_rig()
         if self.pattern != (canvas is not None):
             self.pattern = canvas is not None
             self._pace = adaptive_quality.resumed(self._pace)
         self.arrange(clear)
+
+    def follow_light(self, wanted: tuple[int, int] | None, clear: bool) -> None:
+        """Show or hide structured light: the number of a channel and of its picture."""
+        if wanted == self._wanted_light:
+            return
+        stays = (wanted is None) == (self._light is None)
+        self._wanted_light = self._light = wanted
+        self.pattern = wanted is not None
+        if stays:
+            self._draw_pattern()
+        else:
+            self._pace = adaptive_quality.resumed(self._pace)
+            self.arrange(clear)
 
     def show_as(self, display: str) -> None:
         """Change to another display mode, one of `displays`."""
@@ -460,7 +478,9 @@ class ScenePicture:
 
     def _draw_pattern(self) -> None:
         """Draw the test pattern, if shown, into the renderer's pictures, once."""
-        if self.pattern:
+        if self._light is not None:
+            self.renderer.show(lit_picture(self.renderer.rig, *self._light))
+        elif self.pattern:
             self.renderer.show(self._canvas(self.rig), marks=self._marks)
 
     def _take_rig(self) -> None:

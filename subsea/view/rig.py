@@ -19,6 +19,8 @@ from subsea.view.camera import View, cross, look
 from subsea.view.theatre_vessel import TheatreVessel
 
 Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
+Rgb = tuple[float, float, float]
+TONE = 2.2  # gamma that pictures are made for
 
 BRIGHT = 0.995  # share of a mask's largest factor below which another projector blends in
 FINE = 100  # least number of mask values sampled per side
@@ -99,7 +101,9 @@ class DisplayPatch(NamedTuple):
     # (h, w, 4), top row first, stretched over the place: factors on the values of red, green and
     # blue that are sent to the projector, and light that is added to theirs; None: no mask.
     mask: Array | None = None
-    gamma: float = 2.2  # of the projector: light is the value to this power
+    # Of the projector: light is the value to this power. Three, for red, green and blue: pictures
+    # are changed to look as with TONE.
+    gamma: float | Rgb = TONE
     channel: int = 0  # index of the projector or screen, the same for both eyes
     adjustment: PatchAdjustment | None = None  # how it lies on the output; None: straight
 

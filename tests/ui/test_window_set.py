@@ -5,6 +5,7 @@ import time
 from contextlib import closing
 
 import glfw
+import msgspec
 import numpy as np
 import pytest
 
@@ -14,6 +15,7 @@ from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation, Screen
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, views
+from subsea.view.structured_light import UNIFORM, light_patterns, light_picture
 from subsea.view.test_pattern import lineup
 from tests.support.windows import FRAME_S, ShownOn, display_pixels, dive_options
 
@@ -179,6 +181,23 @@ def test_a_key_shows_the_pattern_in_every_window_and_the_sea_again(boat, user):
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
     user.do("key", "t")
     user.until(boat, lambda: not boat.picture.pattern)
+    assert np.abs(shown(boat) - before).mean() < 10.0
+
+
+def test_structured_light_comes_from_one_projector_pixel_by_pixel(boat, monkeypatch):
+    before = shown(boat)
+    number = len(UNIFORM) + 6  # of a pattern of columns
+    light = 1, number
+    (part, *_) = boat.parts
+    monkeypatch.setattr(part, "over", lambda over: msgspec.structs.replace(over, light=light))
+    left, front, right = np.split(shown(boat), 3, axis=1)
+    assert not left.any() and not right.any()
+    stripes = light_picture(light_patterns(SIZE)[number], SIZE)
+    np.testing.assert_allclose(front, stripes, atol=1)
+    light = 2, 0
+    left, front, right = np.split(shown(boat), 3, axis=1)
+    assert right.min() >= 254 and not left.any() and not front.any()
+    monkeypatch.undo()
     assert np.abs(shown(boat) - before).mean() < 10.0
 
 

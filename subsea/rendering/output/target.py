@@ -18,7 +18,7 @@ from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.scenario.schema import UNGRADED, Grade
 from subsea.view.adjustment import MOST_EDGES
 from subsea.view.meshes import fine_mesh, lit_places, shown_size
-from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
+from subsea.view.rig import CUBES, TONE, DisplayPatch, Projection, Rect, Rgb, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
 BLOOM_ROWS = 200  # most rows of the blurred picture: the blur is a share of the height
@@ -287,6 +287,7 @@ class ResolvePass(GpuOwner):
         context.viewport = patch.place
         context.disable(context.DEPTH_TEST | context.BLEND)
         left, right = scaled(patch.left, scale), scaled(patch.right, scale)
+        gammas = _gammas(patch)
         exact = self._exact(number, left, linear)
         compiled, array = self._array(number, linear, bloom is not None, exact)
         set_uniforms(
@@ -295,7 +296,8 @@ class ResolvePass(GpuOwner):
             u_left=left,
             u_right=right,
             u_wide=patch.wide,
-            u_gamma=patch.gamma,
+            u_gamma=gammas,
+            u_tone=tuple(TONE / gamma for gamma in gammas),
             u_apart=patch.apart,
             u_shown=self._shown(number),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
@@ -342,6 +344,7 @@ class ResolvePass(GpuOwner):
             "BLOOM": int(bloom),
             "EXACT": int(exact),
             "DEEP": int(self._deep),
+            "TONED": int(isinstance(patch.gamma, tuple)),
             "ADJUSTED": int(_is_weakened(patch)),
         }
         key = tuple(constants.values())
@@ -393,6 +396,11 @@ def _cuts(patch: DisplayPatch) -> tuple[object, ...]:
     return points, moves, patch.shape, shown_size(patch)
 
 
+def _gammas(patch: DisplayPatch) -> Rgb:
+    """The gamma of a projector for red, green and blue."""
+    return patch.gamma if isinstance(patch.gamma, tuple) else (patch.gamma,) * 3
+
+
 def _is_weakened(patch: DisplayPatch) -> bool:
     """True if a patch has weaker colours or an edge mask."""
     adjustment = patch.adjustment
@@ -409,7 +417,10 @@ def _adjusted(patch: DisplayPatch) -> dict[str, Any]:
     if adjustment.edge is not None:
         edge[:count] = patch.place[:2] + adjustment.edge * np.array(patch.place[2:])
     return {
-        "u_tone": tuple(share ** (1.0 / patch.gamma) for share in adjustment.gain),
+        "u_weaker": tuple(
+            share ** (1.0 / gamma)
+            for share, gamma in zip(adjustment.gain, _gammas(patch), strict=True)
+        ),
         "u_edge": edge.tobytes(),
         "u_edges": count,
         "u_soft": adjustment.edge_soft_px,

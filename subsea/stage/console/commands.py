@@ -217,6 +217,15 @@ class SaveLineUp(LineUpCommand, frozen=True, tag="line-up-save"):
     """The command `line-up-save`."""
 
 
+class ShowStructuredLight(PresenterCommand, frozen=True, tag="structured-light"):
+    """The command `structured-light`."""
+
+    number: Annotated[
+        int,
+        Meta(ge=-1, le=10_000, description="from 1; 0: the sea again; -1: the next"),
+    ] = -1
+
+
 COMMANDS: dict[type[PresenterCommand], str] = {
     OpenScenario: "Open a scenario",
     StartTour: "Start a tour",
@@ -245,6 +254,7 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     RedoLineUp: "Make it again",
     CompareLineUp: "Show what the theatre file has for comparison, or the changes again",
     SaveLineUp: "Save the line-up into the theatre file, on all computers",
+    ShowStructuredLight: "Show a picture of a theatre's structured light to calibrate it",
 }
 """The commands with their purposes, for clients and the reference."""
 NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}

@@ -1,6 +1,7 @@
 """The presenter's remote control of a dive: applies commands, publishes state and pictures."""
 
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -23,6 +24,7 @@ from subsea.stage.console.server import ConsoleServer
 from subsea.stage.line_up import TheatreLineUp
 from subsea.stage.show_player import ShowScreens
 from subsea.stage.small_picture import SmallPicture
+from subsea.stage.structured_light import StructuredLight
 from subsea.ui.menu import scenario_summaries
 from subsea.view.front_screen import front_view
 from subsea.world.feeding import EVERY_S
@@ -45,12 +47,13 @@ class RemoteControl:
     def __init__(
         self, dive: "Dive", board: Board, server: ConsoleServer | None,
         show: ShowScreens | None = None, line_up: TheatreLineUp | None = None,
+        light: Callable[[], StructuredLight] | None = None,
     ) -> None:  # fmt: skip
-        """`server` serves the board, None: nobody; `show` and `line_up` are those of the dive."""
+        """`server` serves the board, None: nobody; the others are those of the dive."""
         self.presented = NOTHING  # over the picture
         self.board = board
         self._dive, self._board, self._server, self._show = dive, board, server, show
-        self._line_up = line_up
+        self._line_up, self._light = line_up, light
         self._rate = 0.0  # pictures a second
         self._presentation = Presentation()
         self._small = SmallPicture(dive.window_set.context, PICTURE_WIDTH)
@@ -172,6 +175,10 @@ class RemoteControl:
                 if dive.picture.pattern != on:
                     dive.picture.show_pattern(dive.overlay.help_hidden)
                 return "the screens show the test pattern" if on else "the screens show the sea"
+            case commands.ShowStructuredLight(number):
+                if self._light is None:
+                    raise UserError("no projectors to calibrate: begin the dive with --theatre")
+                return self._light().show(number)
         raise NotImplementedError(type(command).__name__)
 
     @property
@@ -338,7 +345,7 @@ class RemoteControl:
 
 def open_console(
     dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None,
-    line_up: TheatreLineUp | None = None,
+    line_up: TheatreLineUp | None = None, light: Callable[[], StructuredLight] | None = None,
 ) -> RemoteControl | None:  # fmt: skip
     """Open the console of a dive; a fault, such as a port that is taken, is one line."""
     if not dive.tick_source.has_pilot:
@@ -351,7 +358,7 @@ def open_console(
         dive.note(str(fault))
         return None
     say(f"the presenter's console: {options.url}")
-    return RemoteControl(dive, board, server, show, line_up)
+    return RemoteControl(dive, board, server, show, line_up, light)
 
 
 def _scenarios() -> list[dict[str, str]]:

@@ -37,9 +37,10 @@ from subsea.stage.theatre.screens import (
 )
 from subsea.stage.theatre.warp import continued, cropped, identity, rasterized
 from subsea.view.meshes import grid_triangles, subdivided
-from subsea.view.rig import Projection, Rect, Warp, overlap
+from subsea.view.rig import Projection, Rect, Rgb, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
 
+NEUTRAL = 1.0, 1.0, 1.0, 0.0  # of a mask: values that change nothing
 COARSER = 4  # pixels of a projector a side for one of its blending mask
 PIECE = math.radians(1.0)  # of a curved screen, which counts as flat within it
 TALL = 8  # pieces of its height
@@ -62,7 +63,7 @@ class ProjectorChannel:
     surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
     warp: Warp | None = None  # from the picture to the screen
     own_mask: Array | None = None  # (h, w, 4) of its files, as `rig.DisplayPatch` has it
-    own_gamma: float | None = None  # the gamma that it was made for; None: it is for any
+    own_gamma: float | Rgb | None = None  # the gamma that it was made for; None: it is for any
     mask: Array | None = None  # with the blend
     blend: bool = False
     eye: str | None = None  # "left" or "right" of a projector for one eye
@@ -162,6 +163,9 @@ def _file_channel(
     if channel.mask is not None:
         picture = _mask_picture(folder / channel.mask, lighted.size)
         lighted = replace(lighted, own_mask=_masked(lighted.own_mask, picture))
+    if channel.black_mask is not None:
+        added = _mask_picture(folder / channel.black_mask, lighted.size)
+        lighted = replace(lighted, own_mask=_with_added(lighted.own_mask, added[..., 0]))
     return lighted
 
 
@@ -179,6 +183,16 @@ def _masked(mask: Array | None, picture: Array) -> Array:
     if mask is not None:
         height, width = picture.shape[:2]
         factors[..., :3] *= stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    return factors
+
+
+def _with_added(mask: Array | None, light: Array) -> Array:
+    """A mask (h, w, 4) that adds light (h, w)."""
+    height, width = light.shape
+    factors = np.tile(np.array(NEUTRAL, np.float32), (height, width, 1))
+    if mask is not None:
+        factors[..., :3] = stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    factors[..., 3] = light
     return factors
 
 
@@ -292,34 +306,33 @@ def _blend(channel: ProjectorChannel, lamps: Sequence["Projector"], number: int)
     mask = blend_mask(lamps, number, places).reshape(size[1], size[0], 4)
     own_mask = _own_mask(channel)
     if own_mask is not None:  # the mesh's own brightness
-        mask = mask * _resized(own_mask, size)
+        own = _resized(own_mask, size)
+        mask = np.concatenate([mask[..., :3] * own[..., :3], mask[..., 3:] + own[..., 3:]], axis=2)
     return np.asarray(mask.astype(np.float32))
 
 
 def _own_mask(channel: ProjectorChannel) -> Array | None:
     """The mask (h, w, 4) of a channel's files, for the gamma that the channel has now."""
     mask, gamma = channel.own_mask, channel.adjustment.gamma
-    if mask is None or channel.own_gamma in (None, gamma):
+    if mask is None or channel.own_gamma is None or channel.own_gamma == gamma:
         return mask
     lit = np.array(mask)
-    lit[..., :3] **= (channel.own_gamma or gamma) / gamma
+    lit[..., :3] **= np.broadcast_to(channel.own_gamma, 3) / np.broadcast_to(gamma, 3)
     return lit
 
 
 def _resized(mask: Array, size: tuple[int, int]) -> Array:
-    """A mask at another size, by its nearest values; the last column becomes 1."""
+    """A mask at another size, by its nearest values."""
     rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
     columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
-    resized = mask[rows][:, columns].copy()
-    resized[..., 3] = 1.0
-    return resized
+    return np.asarray(mask[rows][:, columns])
 
 
 class Projector(NamedTuple):
     """A projector: its screen and its light."""
 
     screen: Screen
-    gamma: float
+    gamma: float | Rgb
     black: float  # share of its white that it shines when dark
     width: float = 1.0  # of its fades, over the usual width
 
@@ -360,8 +373,8 @@ def blend_mask(projectors: Sequence[Projector], number: int, places: Array) -> A
     most = max(int(np.max(counts)), int(here.max(initial=1)))
     lifted = projector.black * (most - here) / np.maximum(here, 1)
     white = 1.0 - max(other.black for other in projectors) * (most - 1)
-    factor = (light * white) ** (1.0 / projector.gamma)
-    return np.column_stack([factor, factor, factor, lifted])
+    factor = (light * white)[:, None] ** (1.0 / np.broadcast_to(projector.gamma, 3))
+    return np.column_stack([factor, lifted])
 
 
 def _blend_weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:

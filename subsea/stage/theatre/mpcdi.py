@@ -39,7 +39,7 @@ from subsea.stage.theatre.measured_mesh import ViewAngles
 from subsea.stage.theatre.mesh_formats import MAX_BYTES, parse_xml, sources_of
 from subsea.stage.theatre.pixel_files import parse_pfm, parse_png, stretched
 from subsea.stage.theatre.warp import from_grid, validated, without_invalid
-from subsea.view.rig import Warp
+from subsea.view.rig import Rgb, Warp
 
 Rect = tuple[float, float, float, float]
 Fetch = Callable[[str, int], bytes | None]  # the content of a path in an archive, of limited size
@@ -114,7 +114,7 @@ def _plain(name: str) -> str:
     return name.strip().replace("\\", "/").removeprefix("./").lower()
 
 
-def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
+def mask(region: MpcdiRegion, gamma: float | Rgb, most: tuple[int, int]) -> NDArray[np.float32]:
     """Factors on red, green and blue code values, and light that is added: (h, w, 4).
 
     As large as the larger map, but at most `most` pixels. Light is code^gamma. By the standard
@@ -127,6 +127,7 @@ def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np
     height, width, _ = max(shapes, key=lambda shape: shape[0] * shape[1])
     width, height = min(width, most[0]), min(height, most[1])
     factors = np.zeros((height, width, 4), np.float32)
+    gammas = np.broadcast_to(gamma, 3)
     alpha, beta = np.ones((1, 1, 3), np.float32), np.zeros((1, 1, 3), np.float32)
     if region.alpha is not None:
         alpha = stretched(region.alpha, width, height)
@@ -134,7 +135,7 @@ def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np
         beta = stretched(region.beta, width, height)
     for k in range(3):  # one after the other: pictures of projectors are large
         a, b = alpha[..., k] ** region.gamma, beta[..., k] ** region.gamma
-        factors[..., k] = (a * (1 - b)) ** (1 / gamma)
+        factors[..., k] = (a * (1 - b)) ** (1 / gammas[k])
         factors[..., 3] += b / 3
     return factors
 

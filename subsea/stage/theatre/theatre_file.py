@@ -122,6 +122,9 @@ class Corners(_Table, frozen=True, kw_only=True):
     lower_right: PixelPair = (0.0, 0.0)
 
 
+GAMMAS = 0.5, 4.0  # least and largest
+
+
 class Adjustment(_Table, frozen=True, kw_only=True):
     """How a projector's picture is turned, moved, masked and coloured, by line-up on the wall.
 
@@ -141,12 +144,22 @@ class Adjustment(_Table, frozen=True, kw_only=True):
     ] | None = None  # fmt: skip
     edge_soft_px: Annotated[float, msgspec.Meta(ge=1, le=500)] = 2.0
     gain: tuple[Share, Share, Share] = (1.0, 1.0, 1.0)  # factors on red, green and blue light
-    # Of the projector: light is the value that it gets to this power.
-    gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 2.2
+    # Of the projector: light is the value that it gets to this power. Three: red, green and blue,
+    # and the picture is changed to look as with 2.2.
+    gamma: float | tuple[float, float, float] = 2.2
     # The share of its white that the projector shines when it should be dark.
     black: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.0
     # Of the fade across an overlap, over the usual width.
     blend_width: Annotated[float, msgspec.Meta(ge=0.1, le=2)] = 1.0
+
+    def __post_init__(self) -> None:
+        """Require plausible gammas.
+
+        msgspec 0.22 mixes up the limits of a number and of those in a tuple in one union.
+        """
+        gammas = self.gamma if isinstance(self.gamma, tuple) else (self.gamma,)
+        if not all(GAMMAS[0] <= gamma <= GAMMAS[1] for gamma in gammas):
+            raise ValueError(f"`gamma`: expected {GAMMAS[0]:g} to {GAMMAS[1]:g}")
 
 
 class ScreenTable(Adjustment, frozen=True, kw_only=True):
@@ -163,6 +176,7 @@ class ScreenTable(Adjustment, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         """Require exactly one screen."""
+        super().__post_init__()
         given = [name for name in SCREENS if getattr(self, name) is not None]
         if len(given) > 1 or (not given and self._needs_screen):
             what = " and ".join(f"`{name}`" for name in given) or "none"
@@ -190,6 +204,8 @@ class Channel(ScreenTable, frozen=True, kw_only=True):
     blend: bool = False  # with all others that light the same part of the screen
     warp: File | None = None  # a mesh of `mesh_formats.FORMATS`, relative to the theatre file
     mask: File | None = None  # a PNG picture of factors, relative to the theatre file
+    # A PNG picture of light to add, 1 for the projector's white, relative to the theatre file.
+    black_mask: File | None = None
     # x, y, width, height of the part that is shown, in shares of the screen from the lower left
     part: tuple[Extent, Extent, Span, Span] | None = None
     eye: Literal["left", "right"] | None = None  # of a projector for one eye; None: the mode's

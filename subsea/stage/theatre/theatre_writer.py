@@ -60,6 +60,7 @@ def write_theatre(theatre: Theatre, path: Path, out: Path, force: bool = False) 
     channels = []
     for channel in theatre.channel:
         warp = channel.warp
+        channel = msgspec.structs.replace(channel, black_mask=placed(channel.black_mask))
         if warp is not None and warp in made:
             own_mask = masks[warp].name if warp in masks else placed(channel.mask)
             channel = msgspec.structs.replace(channel, warp=names[warp].name, mask=own_mask)

@@ -13,6 +13,13 @@ from subsea.stage.theatre.screens import points_on
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.stage.theatre.warp import mesh
 from subsea.view.rig import CUBES, CameraRig, DisplayPatch, pose_from_angles, views
+from subsea.view.structured_light import (
+    UNIFORM,
+    bare,
+    light_patterns,
+    light_picture,
+    lit_picture,
+)
 from subsea.view.surround import Surround, directions
 from subsea.view.test_pattern import lineup
 
@@ -105,6 +112,33 @@ def test_blended_luminance_is_constant_within_two_percent(context, tmp_path, lev
         total += np.where(inside, np.interp(pixel, np.arange(count), row), 0.0)
     np.testing.assert_allclose(total, level**GAMMA, rtol=0.02)
     assert min(row.min() for row in light) < 0.1 * level**GAMMA  # it was blended at all
+
+
+def test_gammas_for_each_colour_give_the_light_of_the_usual_one(context):
+    place, levels = (0, 0, 5, 1), np.array([0.0, 0.1, 0.3, 0.6, 1.0])
+    gammas = np.array([1.8, 2.2, 2.6])
+    mask = np.tile([0.9, 0.8, 0.7, 0.05], (1, 5, 1)).astype(np.float32)
+    for added in (None, mask):
+        patch = DisplayPatch(place, place, place, mask=added, gamma=tuple(gammas.tolist()))
+        rig = CameraRig((5, 1), ((5, 1),), (), (patch,))
+        (picture,) = shown(context, rig, np.repeat(levels, 3).reshape(1, 5, 3))
+        light = np.repeat(levels[:, None] ** 2.2, 3, axis=1)
+        if added is not None:
+            light = light * np.array([0.9, 0.8, 0.7]) ** gammas + 0.05
+        np.testing.assert_allclose(picture[0], light ** (1 / gammas), atol=1.1 / 255)
+
+
+def test_structured_light_comes_from_one_projector_pixel_by_pixel(context, tmp_path):
+    _, _, rig = opened(tmp_path)
+    assert all(patch.mask is not None and patch.warp is not None for patch in rig.patches)
+    plain, number = bare(rig), len(UNIFORM) + 6  # of a pattern of columns
+    picture = lit_picture(plain, 1, number)
+    plain = plain._replace(canvas=picture.shape[1::-1])
+    left, middle, right = shown(context, plain, picture / 255)
+    size = plain.patches[1].place[2:]
+    stripes = light_picture(light_patterns(size)[number], size) / 255
+    np.testing.assert_allclose(middle, stripes, atol=1.1 / 255)
+    assert max(left.max(), right.max()) < 1.1 / 255
 
 
 @pytest.mark.parametrize("gamma", [1.8, 2.4])

@@ -36,7 +36,7 @@ from subsea.stage.theatre.theatre_file import Adjustment, Corners
 from subsea.submarine.vessel import Helm
 
 IDENTITY = Identity("0.2.0", {"scenario": "Bucht, früh", "subsea/fish": "#f0"})
-SHOWN = Presented(0.5, True, "Good evening", 1.0)
+SHOWN = Presented(0.5, True, "Good evening", 1.0, (2, 17))
 FROM_NODE = [
     Hello("left", IDENTITY, "dive", 7),
     PictureDrawn(12),
@@ -61,7 +61,7 @@ FROM_MASTER = [
         [(*(1.0,) * 8, True)],
         "checksum",
         True,
-        Presented(0.5, True, "Good evening", 1.0),
+        SHOWN,
         LINE_UP,
     ),
     Swap(4),
@@ -135,7 +135,7 @@ def test_deeply_nested_messages_are_refused(opening):
 
 def test_another_protocol_is_refused():
     data = encode(PictureDrawn(1))
-    with pytest.raises(UserError, match=r"protocol 9, expected 6: .* version .* than \d"):
+    with pytest.raises(UserError, match=r"protocol 9, expected 7: .* version .* than \d"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 

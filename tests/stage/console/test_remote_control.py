@@ -19,6 +19,7 @@ from subsea.stage.console.commands import (
     SetVolume,
     ShowCaption,
     ShowLineUp,
+    ShowStructuredLight,
     StartCue,
     StartTour,
     StopTour,
@@ -131,6 +132,11 @@ def test_the_line_up_pattern_comes_and_goes(boat, user, give):
     assert not boat.picture.pattern
     give(ShowLineUp(True))
     assert boat.picture.pattern
+
+
+def test_structured_light_needs_a_theatre(give):
+    with pytest.raises(UserError, match="no projectors to calibrate: begin the dive with"):
+        give(ShowStructuredLight(1))
 
 
 def test_fishes_are_followed_and_ridden(boat, give):

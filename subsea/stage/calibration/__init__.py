@@ -1,0 +1,1 @@
+"""Calibrate a theatre by photographs of structured light."""

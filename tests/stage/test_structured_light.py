@@ -1,0 +1,50 @@
+"""The steps of structured light, by key, clock and command."""
+
+import pytest
+
+from subsea.base.errors import UserError
+from subsea.stage.calibration.photographs import LightStep
+from subsea.stage.structured_light import DARK_S, StructuredLight
+from subsea.view.structured_light import light_patterns
+
+STEPS = [
+    LightStep(channel, name, k, pattern)
+    for channel, name in enumerate(["left", "right"])
+    for k, pattern in enumerate(light_patterns((16, 16)))
+]
+
+
+def test_a_key_goes_through_all_pictures_back_to_the_sea():
+    told = []
+    light = StructuredLight(STEPS, tell=told.append)
+    assert light.shown is None
+    shown = []
+    for _ in STEPS:
+        light.cue()
+        shown.append(light.shown)
+    assert shown == [(step.channel, step.number) for step in STEPS]
+    light.cue()
+    assert light.shown is None
+    assert told[0] == f"structured light, 1 of {len(STEPS)}: white of 'left'"
+    assert told[-1].endswith("the sea")
+
+
+def test_the_clock_shows_each_picture_equally_long_and_once():
+    told = []
+    light = StructuredLight(STEPS, 2.0, told.append)
+    seen = {}
+    for _ in range(1000):
+        light.update(0.1)
+        seen[light.shown] = seen.get(light.shown, 0) + 0.1
+    assert len(seen) == len(STEPS) + 1
+    assert all(abs(seen[step.channel, step.number] - 2.0) < 0.11 for step in STEPS)
+    assert seen[None] > DARK_S and len(told) == 1
+
+
+def test_a_command_names_a_picture():
+    light = StructuredLight(STEPS)
+    assert light.show(len(STEPS)).startswith(f"{len(STEPS)} of {len(STEPS)}: rows-2-inverse")
+    assert light.show(-1) == "the screens show the sea"
+    assert light.show(0) == "the screens show the sea"
+    with pytest.raises(UserError, match=f"expected {len(STEPS)} at most"):
+        light.show(len(STEPS) + 1)
