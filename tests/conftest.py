@@ -90,6 +90,7 @@ LONG = (
     "export/test_vat.py",
     "ui/panels/test_initialisation.py",
     "stage/cluster/test_lockstep.py",
+    "stage/calibration/test_calibrate.py",
     "ui/test_dive_ends.py",
     "capture/learning/test_learn.py",
     "biomechanics/test_long_body.py",

@@ -96,8 +96,6 @@ class TheatrePart(DivePart):
             raise UserError("--no-resume needs --theatre and --node too")
         if options.structured_light is not None and options.theatre is None:
             raise UserError("--structured-light needs --theatre too")
-        if options.structured_light is not None and options.display != "mono":
-            raise UserError("--structured-light is for one eye: drop --display")
         if options.theatre is None:
             return None
         return cls(
@@ -136,6 +134,8 @@ class TheatrePart(DivePart):
                 raise UserError(f"--playlist is for the master of the cluster, {cluster.master!r}")
             check_for_cluster(screens.show, screens.path)
         if self._light_s is not None:
+            if options.display.mode != "mono":
+                raise UserError("--structured-light is for one eye: drop --display")
             cluster = load_theatre(self.name)[0].cluster
             if self.node is not None and cluster is not None and self.node != cluster.master:
                 message = f"--structured-light is for the master of the cluster, {cluster.master!r}"

@@ -2,8 +2,12 @@
 
 import pytest
 
+from subsea.base.command_line import parse_arguments
 from subsea.base.errors import UserError
+from subsea.cli.main import parsers
+from subsea.dive.presented import NOTHING
 from subsea.stage.calibration.photographs import LightStep
+from subsea.stage.parts import TheatrePart
 from subsea.stage.structured_light import DARK_S, StructuredLight
 from subsea.view.structured_light import light_patterns
 
@@ -39,6 +43,29 @@ def test_the_clock_shows_each_picture_equally_long_and_once():
     assert len(seen) == len(STEPS) + 1
     assert all(abs(seen[step.channel, step.number] - 2.0) < 0.11 for step in STEPS)
     assert seen[None] > DARK_S and len(told) == 1
+
+
+def test_the_option_begins_with_the_first_picture():
+    part = made("--theatre", "three-projectors", "--structured-light")
+    assert part.light.number == 0 and part.over(NOTHING) == NOTHING
+    part.light.show(1)
+    assert part.over(NOTHING).light == (0, 0)
+    part.cue()
+    assert part.over(NOTHING).light == (0, 1)
+    later = made("--theatre", "three-projectors", "--structured-light", "0.5")
+    later.light.update(DARK_S + 0.1)
+    assert later.over(NOTHING).light == (0, 0)
+    later.before(None, 0.6)
+    assert later.over(NOTHING).light == (0, 1)
+    with pytest.raises(UserError, match="--structured-light needs --theatre too"):
+        made("--structured-light")
+
+
+def made(*words):
+    """The part of a theatre that options of a dive ask for."""
+    options = parse_arguments(*parsers(), ["dive", *words])
+    options.shrink = options.shrink or 1  # as the command fills in
+    return TheatrePart.made(options, None)
 
 
 def test_a_command_names_a_picture():

@@ -185,9 +185,9 @@ def test_a_hidden_part_follows_the_lens(tmp_path):
 @pytest.mark.nightly
 def test_a_curved_screen_of_three_projectors(tmp_path):
     path, room = planned_room(
-        "curved", (480, 360), tmp_path, projectors=3, radius=300, angle=130, height=180
+        "curved", (320, 240), tmp_path, projectors=3, radius=300, angle=130, height=180
     )
-    camera = look((30, 20, -250), (0, 0, 300), (1400, 800), ORDINARY, 720, (-0.15, 0.04), (6, -5))
+    camera = look((30, 20, -250), (0, 0, 300), (940, 540), ORDINARY, 480, (-0.15, 0.04), (4, -3))
     room.photograph(camera, tmp_path / "photographs")
     turns = np.radians([-60, -30, 0, 30, 60])
     at = [(300 * np.sin(turn), y, 300 * np.cos(turn)) for turn in turns for y in (-60, 90)]
@@ -199,20 +199,18 @@ def test_a_curved_screen_of_three_projectors(tmp_path):
 @pytest.mark.nightly
 @pytest.mark.parametrize("cameras", [1, 2])
 def test_a_dome_of_six_projectors(tmp_path, cameras):
-    """One fisheye lens that sees all, or two ordinary wide ones at different places."""
-    path, room = planned_room("dome", (480, 360), tmp_path, projectors=6, radius=400)
+    """One fisheye lens that sees all, or two that see a half each."""
+    path, room = planned_room("dome", (240, 180), tmp_path, projectors=6, radius=400)
     room.bounce = 0.15
     turns = np.radians(np.arange(0, 360, 45))
     at = [
         (400 * np.sin(turn) * np.cos(rise), 400 * np.sin(rise), 400 * np.cos(turn) * np.cos(rise))
         for turn in turns for rise in np.radians([8, 45])
     ] + [(0.0, 400.0, 0.0)]  # fmt: skip
-    seers = [
-        look((25, -20, -30), (0, 400, 0.1), (1600, 1600), FISHEYE, 490, (-0.02, 0.002), (5, -8))
-    ]
+    seers = [look((25, -20, -30), (0, 400, 0.1), (900, 900), FISHEYE, 275, (-0.02, 0.002), (3, -5))]
     if cameras == 2:
         seers = [
-            look((20, -60, side), (0, 250, -3 * side), (1300, 1300), FISHEYE, 520, (-0.02, 0.0))
+            look((20, -60, side), (0, 250, -3 * side), (800, 800), FISHEYE, 320, (-0.02, 0.0))
             for side in (100, -100)
         ]
     for number, camera in enumerate(seers):

@@ -14,6 +14,7 @@ from subsea.stage.calibration.optics import (
 )
 from subsea.stage.calibration.surface import LitSurface
 from subsea.stage.theatre.screens import Curved
+from tests.support.daily import only
 from tests.support.lit_room import LampLens, look
 
 SIZE = 320, 200
@@ -60,7 +61,7 @@ def test_a_projector_is_a_lens_with_distortion():
     assert np.abs(fit_projector(CYLINDER, points, shown, SIZE, 0.0)[1]).max() > 0.4
 
 
-@pytest.mark.parametrize("kind", ["cylinder", "dome"])
+@pytest.mark.parametrize("kind", only(["dome"], ["cylinder", "dome"]))
 def test_lens_and_place_follow_from_points_and_light(kind):
     if kind == "cylinder":
         surface, camera = (
