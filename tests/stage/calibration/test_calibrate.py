@@ -61,12 +61,12 @@ def check(room, theatre, channels, most_px=1.0):
         spots.append(true[inner][::7])
     for points in spots:
         light = np.zeros(len(points))
-        for lamp, channel, table in zip(room.lamps, channels, theatre.channel, strict=True):
+        for lamp, channel in zip(room.lamps, channels, strict=True):
             shown = lamp.pixels(points)
             inside = ((shown > 0) & (shown < lamp.size)).all(axis=1)
             places = np.column_stack([shown[:, 0] / lamp.size[0], 1 - shown[:, 1] / lamp.size[1]])
-            gamma = np.broadcast_to(channel.gamma, 3)[0]
-            share = mask_at(channel, places)[:, 0] ** gamma / table.gain[0]
+            gamma = np.broadcast_to(channel.adjustment.gamma, 3)[0]
+            share = mask_at(channel, places)[:, 0] ** gamma
             light += np.where(inside, share, 0.0)
         assert np.median(np.abs(light - np.median(light))) < 0.02
         assert np.quantile(np.abs(light - np.median(light)), 0.95) < 0.08

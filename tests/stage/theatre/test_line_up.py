@@ -135,7 +135,7 @@ def test_a_new_change_ends_redo(line_up, clock):
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("gamma", 9.0, "at most 4"),
+        ("gamma", 9.0, "0.5 to 4"),
         ("gamma", "bright", "expected"),
         ("edge_mask", [[0, 0]], "at least 3"),
         ("window", "left", "unknown key"),
