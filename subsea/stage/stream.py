@@ -130,7 +130,7 @@ class StreamSender:
                 frame.pts = number
                 for packet in stream.encode(frame):
                     container.mux(packet)
-                if number == fps:
+                if number >= fps:
                     self._tell("is sent")
                 # After a pause, as of the computer, pictures are left out.
                 number = max(number + 1, int((time.monotonic() - begun) * fps))

@@ -193,7 +193,7 @@ LAMP = '[[lamp]]\nname = "one"\nchannel = 510\n'
         (LIGHTS + LAMP + LAMP.replace("one", "two"), 15, "lamps 'one' and 'two' both take channel"),
         (LIGHTS + LAMP + "universe = 40000\n", 13, "universe 40000, expected 0 to 32767"),
         (LIGHTS.replace("artnet", "sacn") + LAMP + "universe = 0\n", 13, "expected 1 to 63999"),
-        (LIGHTS + 'address = "desk"\n', 8, "'desk': expected an IP address"),
+        (LIGHTS + 'address = "desk"\n', 10, "'desk': expected an IP address"),
         (LIGHTS + LAMP + 'colours = "cmy"\n', 13, "'rgb'"),
     ],
 )
