@@ -210,7 +210,7 @@ class CuesPart(DivePart):
             self._inputs.append(MidiInput(port, hear))
 
     def _hear_label(self, label: Any, late: float = 0.0) -> None:
-        """Take a label that is of so many frames ago; called in a thread of a device."""
+        """Take a label, `late` by a number of frames; called in a thread of a device."""
         from subsea.stage.cues.timecode import RATES, seconds_of
 
         assert self._show.timecode is not None

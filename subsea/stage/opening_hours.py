@@ -102,7 +102,7 @@ class SpecialDay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
 
 
 class Calendar(NamedTuple):
-    """The hours of the week, None: always open; and days that differ, of which later ones win."""
+    """The hours of the week, None: always open; and days that differ, where later ones win."""
 
     hours: OpeningHours | None = None
     special: tuple[SpecialDay, ...] = ()

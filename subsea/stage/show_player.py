@@ -235,7 +235,7 @@ class ShowPlayer:
         self._wanted = item, elapsed_s
 
     def follow(self, time_s: float | None, jumps: int) -> None:
-        """Follow a timecode, of which there were so many `jumps`; None: it has stopped.
+        """Follow a timecode that has jumped `jumps` times; None: it has stopped.
 
         It starts an item when it passes its time, or has jumped. An item that a cue has begun
         stays until then.

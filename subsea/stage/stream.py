@@ -29,6 +29,7 @@ FORMATS = {"rtp": "rtp_mpegts", "udp": "mpegts"}  # of FFmpeg, by scheme
 FPS = 30
 WIDTH = 1280  # of the stream at most, pixels
 BITS = 0.1  # of a pixel in a picture
+SENT = "is sent"  # ends a line that reports no fault
 AGAIN_S = 2.0  # between two attempts to send
 PACKET = 1316  # bytes: seven packets of a transport stream, as receivers expect
 TTL = 4  # networks that a multicast packet may pass
@@ -130,8 +131,8 @@ class StreamSender:
                 frame.pts = number
                 for packet in stream.encode(frame):
                     container.mux(packet)
-                if number == fps:
-                    self._tell("is sent")
+                if number >= fps:
+                    self._tell(SENT)
                 # After a pause, as of the computer, pictures are left out.
                 number = max(number + 1, int((time.monotonic() - begun) * fps))
 
@@ -222,7 +223,7 @@ class StreamPart(DivePart):
         if (picture := self._small.read()) is not None:
             self._sender.show(picture)
         if line := self._sender.check():
-            dive.faults.say(line)
+            (say if line.endswith(SENT) else dive.faults.say)(line)
         if (now := time.monotonic()) < self._next_s:
             return
         self._next_s = now + 0.9 / self._options.fps

@@ -5,6 +5,7 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import closing
 
 import av
 import numpy as np
@@ -12,8 +13,11 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.stage import stream
-from subsea.stage.stream import StreamSender, stream_options
+from subsea.stage.stream import StreamPart, StreamSender, stream_options
+from subsea.ui.dive import Dive
 from tests.stage.console.conftest import free_port
+from tests.support.scenes import BARE
+from tests.support.windows import dive_options
 
 # Prints the size of a picture, its first time stamps, and its mean colours left and right.
 RECEIVER = """
@@ -79,6 +83,24 @@ def test_nobody_who_receives_never_holds_the_dive_up():
     begun = time.monotonic()
     sender.close()
     assert time.monotonic() - begun < 4.0 and sender.check() == ""
+
+
+def test_a_dive_streams_its_window(display, user, coarse, capfd):
+    part = StreamPart(stream_options(f"udp://127.0.0.1:{free_port(socket.SOCK_DGRAM)}", width=160))
+    with closing(Dive(dive_options(BARE, (320, 240), coarse, parts=[part]))) as running:
+        user.until(running, lambda: part._sender.latest is not None)
+        sent = part._sender.latest[..., :3].astype(float)
+        shown = running.window_set.picture().astype(float)
+        shown = shown.reshape(120, 2, 160, 2, 3).mean(axis=(1, 3))
+        assert sent.shape == shown.shape
+        assert np.abs(sent - shown).mean() < 12.0  # the sea moves between them
+        assert np.abs(sent - shown[::-1]).mean() > 12.0
+        told = []
+        user.until(
+            running, lambda: told.append(capfd.readouterr().err) or "is sent" in "".join(told)
+        )
+        fault = running.faults.state
+        assert fault is None or "stream" not in fault.text
 
 
 def test_a_network_that_fails_is_one_line(monkeypatch):

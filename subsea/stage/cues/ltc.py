@@ -20,7 +20,7 @@ from subsea.stage.cues.timecode import FrameLabel
 SYNC = 0b1011111111111100  # the last 16 bits, the first of them lowest
 BITS = 80
 SLOWEST, FASTEST = 1.0 / (20.0 * BITS), 1.0 / (36.0 * BITS)  # s, of a bit
-QUIET = 0.005  # amplitude of a signal that is no timecode
+QUIET = 0.005  # amplitude below which there is no signal
 HYSTERESIS = 0.25  # of the amplitude, by which the signal must cross its middle
 FADE_S = 0.1  # in which an amplitude is forgotten
 # The first bit of each digit, its number of bits, and whether it is one of tens.

@@ -1,14 +1,11 @@
 """Tell another program by OSC over UDP what happens in a show. Nothing is awaited."""
 
 import socket
-import time
 from typing import Any
 
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from subsea.stage.theatre.theatre_file import parse_address
-
-BACK_S = 3.0  # without a fault, after which a receiver counts as back
 
 
 class OscSender:
@@ -22,7 +19,7 @@ class OscSender:
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._connected = False
-        self._fault, self._fault_s, self._told = "", 0.0, False
+        self._fault, self._told = "", False
 
     def send(self, address: str, *values: Any) -> None:
         """Send a message; numbers, texts, True and False."""
@@ -35,15 +32,14 @@ class OscSender:
                 self._connected = True
             self._socket.send(builder.build().dgram)
         except OSError as fault:
-            self._fault, self._fault_s = fault.strerror or str(fault), time.monotonic()
+            self._fault = fault.strerror or str(fault)
 
     def check(self) -> str:
-        """A line if the receiver is gone or back since the last call, else an empty one."""
-        gone = bool(self._fault) and time.monotonic() - self._fault_s < BACK_S
-        if gone and not self._told:
-            self._told = True
-            return f"OSC to {self._address} does not arrive ({self._fault}); the show goes on"
-        return ""
+        """A line when the first message does not arrive, else an empty one."""
+        if not self._fault or self._told:
+            return ""
+        self._told = True
+        return f"OSC to {self._address} does not arrive ({self._fault}); the show goes on"
 
     def close(self) -> None:
         """Send nothing more."""

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
+from subsea.habitat.day import hour_at
 from subsea.rendering.gl.textures import near_and_far
 from subsea.rendering.output.uniforms import TIDE_S, light_uniforms
 from subsea.scenario.schema import LUMINANCE, Water
@@ -41,7 +43,12 @@ class SeaLight:
         self._caustics: Array | None = None  # (m, m), mean 1, once it is needed
 
     def at(self, water: Water, pose: CameraPose, time_s: float) -> Array:
-        """The linear light (n, 3) of lamps about a viewer, 0 to 1 as on a screen, without gain."""
+        """The linear light (n, 3) of lamps about a viewer at a time of a dive, without gain.
+
+        It is 0 to 1 as on a screen.
+        """
+        if water.day_minutes:
+            water = replace(water, hour=hour_at(water.hour, water.day_minutes, time_s))
         uniforms = light_uniforms(water, pose.eye)
         ways = self._ways @ pose.axes
         light = water_radiance(uniforms, ways)

@@ -83,7 +83,7 @@ def words_of(text: str) -> tuple[str, list[Any]]:
 
 
 def check_message(text: str) -> None:
-    """Raise a ValueError for a text that is no OSC message."""
+    """Raise a ValueError for a text without the address of an OSC message."""
     address, _ = words_of(text)
     if not address.startswith("/") or not address.isascii() or set(address) & set(" #*,?[]{}"):
         raise ValueError(f"{text!r}: expected an address such as /cue/4/start, then values")

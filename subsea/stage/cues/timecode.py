@@ -64,7 +64,7 @@ class _Run(NamedTuple):
     ahead_s: float  # of the clock
 
     def off(self, time_s: float, now_s: float) -> float:
-        """How far a time is ahead of the one that is due, within half a day."""
+        """Compute by how much a time is ahead of the one that is due, within half a day."""
         return (time_s - now_s - self.ahead_s + DAY_S / 2) % DAY_S - DAY_S / 2
 
     def goes_on(self, time_s: float, now_s: float) -> bool:

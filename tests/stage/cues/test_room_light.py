@@ -97,6 +97,13 @@ def test_the_deep_is_bluer_and_the_night_darker():
     assert night.sum() < 0.4 * shallow.sum()  # the eye opens, too
 
 
+def test_a_day_that_passes_goes_through_night_and_back():
+    light = SeaLight([lamp(elevation_deg=45.0)])
+    water = Water(type="II", hour=12.0, day_minutes=10.0)
+    noon, night, again = (light.at(water, at(3000.0), 60.0 * t)[0].sum() for t in (0.0, 5.0, 10.0))
+    assert night < 0.6 * noon and abs(again - noon) < 0.1 * noon
+
+
 def test_waves_focus_light_from_above_slowly_and_not_in_the_deep():
     light = SeaLight([lamp(elevation_deg=90.0), lamp(elevation_deg=-45.0)])
     times = np.arange(0.0, 60.0, 0.1)
