@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,7 +80,7 @@ class TheatreLineUp:
             for line in ticks.reports():
                 dive.note_fault(line)
             for asked in ticks.asked():
-                self._try(dive, lambda asked=asked: _line_up_command(asked))
+                self._try(dive, partial(_line_up_command, asked))
             ticks.line_up(self.session.state)
 
     def ticked(self, dive: "Dive") -> None:
@@ -113,7 +114,7 @@ class TheatreLineUp:
             window.take_key = lambda key, modifiers: self._key(dive, key, modifiers)
 
     def _key(self, dive: "Dive", key: int, modifiers: int) -> bool:
-        """Act on a key that went down; False if it is no key of line-up."""
+        """Act on a key that went down; False: the key does something else."""
         command = key_command(key, modifiers, self._open(dive))
         if command is None:
             return False
@@ -243,7 +244,7 @@ def _names(channels: tuple[ProjectorChannel, ...]) -> list[str]:
 
 
 def _light(channel: ProjectorChannel) -> tuple[float, float, float]:
-    """What the masks of all channels depend on."""
+    """Return all that the masks of all channels depend on."""
     adjustment = channel.adjustment
     return adjustment.gamma, adjustment.black, adjustment.blend_width
 

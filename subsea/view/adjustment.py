@@ -16,7 +16,7 @@ MOST_EDGES = 32  # corners of an edge mask, as in `shaders/resolve.frag`
 
 
 class PatchAdjustment(NamedTuple):
-    """How the picture of a patch is moved, turned, masked and coloured on its output."""
+    """Shifts, turn, mask and colours of the picture of a patch on its output."""
 
     corners: Array = UNMOVED  # (3, 3) homography from places to moved places
     # (rows, columns, 2), the lowest row first: further shifts of the points of a regular grid over

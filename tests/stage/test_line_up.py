@@ -208,7 +208,7 @@ def test_a_node_may_ask_for_the_line_up_alone():
 
 
 class Shown:
-    """What a node shows of a line-up, without windows."""
+    """A node that shows a line-up, without windows."""
 
     def __init__(self, path, node, ticks=None):
         part = TheatrePart(str(path), node=node)

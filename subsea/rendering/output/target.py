@@ -389,7 +389,7 @@ class ResolvePass(GpuOwner):
 
 
 def _cuts(patch: DisplayPatch) -> tuple[object, ...]:
-    """What the fine mesh of a patch depends on, beside its warp."""
+    """Return all that the fine mesh of a patch depends on, beside its warp."""
     adjustment = patch.adjustment
     points = None if adjustment is None or adjustment.points is None else adjustment.points.shape
     moves = adjustment is not None and adjustment.moves

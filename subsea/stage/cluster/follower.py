@@ -116,11 +116,11 @@ class Follower:
 
     def report(self, words: str) -> None:
         """Tell the presenter a line, if there is a connection."""
-        self._say(messages.Report(words[:1000]))
+        self._say(messages.NodeReport(words[:1000]))
 
     def ask(self, command: bytes) -> None:
         """Ask the master to apply a command of this node's keyboard, if there is a connection."""
-        self._say(messages.Ask(command))
+        self._say(messages.NodeRequest(command))
 
     def renew_view(self, view: Mapping[str, str]) -> None:
         """Take other parts of the view that must equal the master's, after a file was saved."""

@@ -320,13 +320,13 @@ class Master:
         message: messages.PictureDrawn
         | messages.Diverged
         | messages.StatePart
-        | messages.Report
-        | messages.Ask,
+        | messages.NodeReport
+        | messages.NodeRequest,
     ) -> None:
-        if isinstance(message, messages.Ask):
+        if isinstance(message, messages.NodeRequest):
             self.asked.append(message.command)
             return
-        if isinstance(message, messages.Report):
+        if isinstance(message, messages.NodeReport):
             self.reports.append(f"node {node.name}: {printable(message.words)}")
             return
         if isinstance(message, messages.Diverged):

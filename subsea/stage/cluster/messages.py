@@ -81,13 +81,13 @@ class StatePart(Message, tag="part"):
     data: Annotated[bytes, msgspec.Meta(min_length=1, max_length=PART)]
 
 
-class Report(Message):
+class NodeReport(Message, tag="report"):
     """From a node: a line for the presenter, such as why its theatre file was not saved."""
 
     words: Words
 
 
-class Ask(Message):
+class NodeRequest(Message, tag="ask"):
     """From a node: a command of its keyboard, as JSON, which the master checks."""
 
     command: Annotated[bytes, msgspec.Meta(max_length=1000)]
@@ -141,7 +141,7 @@ class Refused(Message):
     reason: Words
 
 
-FromNode = Hello | PictureDrawn | Diverged | StatePart | Report | Ask
+FromNode = Hello | PictureDrawn | Diverged | StatePart | NodeReport | NodeRequest
 FromMaster = WorldState | Picture | Swap | Resume | OpenSea | Refused
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)

@@ -21,16 +21,16 @@ from subsea.stage.console import commands
 from subsea.stage.console.board import Board
 from subsea.stage.console.options import ConsoleOptions
 from subsea.stage.console.server import ConsoleServer
-from subsea.stage.line_up import TheatreLineUp
 from subsea.stage.show_player import ShowScreens
 from subsea.stage.small_picture import SmallPicture
-from subsea.stage.structured_light import StructuredLight
 from subsea.ui.menu import scenario_summaries
 from subsea.view.front_screen import front_view
 from subsea.world.feeding import EVERY_S
 from subsea.world.step import cue_direction
 
 if TYPE_CHECKING:
+    from subsea.stage.line_up import TheatreLineUp
+    from subsea.stage.structured_light import StructuredLight
     from subsea.ui.dive import Dive
 
 STATE_S, PICTURE_S = 0.4, 0.25  # between two publications
@@ -46,8 +46,8 @@ class RemoteControl:
 
     def __init__(
         self, dive: "Dive", board: Board, server: ConsoleServer | None,
-        show: ShowScreens | None = None, line_up: TheatreLineUp | None = None,
-        light: Callable[[], StructuredLight] | None = None,
+        show: ShowScreens | None = None, line_up: "TheatreLineUp | None" = None,
+        light: "Callable[[], StructuredLight] | None" = None,
     ) -> None:  # fmt: skip
         """`server` serves the board, None: nobody; the others are those of the dive."""
         self.presented = NOTHING  # over the picture
@@ -345,7 +345,7 @@ class RemoteControl:
 
 def open_console(
     dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None,
-    line_up: TheatreLineUp | None = None, light: Callable[[], StructuredLight] | None = None,
+    line_up: "TheatreLineUp | None" = None, light: "Callable[[], StructuredLight] | None" = None,
 ) -> RemoteControl | None:  # fmt: skip
     """Open the console of a dive; a fault, such as a port that is taken, is one line."""
     if not dive.tick_source.has_pilot:

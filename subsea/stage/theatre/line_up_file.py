@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,8 +31,8 @@ class AdjustedChannel(NamedTuple):
 
 def file_adjustment(theatre: Theatre, channel: ProjectorChannel) -> Adjustment:
     """Find the adjustment of a channel in its theatre file."""
-    kind, number = place_of(channel.key)
-    table = getattr(theatre, str(kind))[number]
+    kind, number = _table_place(channel)
+    table = getattr(theatre, kind)[number]
     adjusted = table.adjust.get(channel.name, table) if kind == "mpcdi" else table
     return adjustment_of(adjusted)
 
@@ -45,15 +46,20 @@ def save_line_up(path: Path, digest: str, adjusted: Iterable[AdjustedChannel]) -
     _check_ours(path)
     data = read_input(path, MAX_BYTES)
     text = text_of(data, path)
-    changed = with_adjustments(text, path, adjusted)
-    if changed == text:
-        return file_hash(path)
-    if file_hash(path) != digest:
+    adjusted = list(adjusted)
+    now = file_hash(path)
+    if now != digest:
+        with suppress(UserError, ValueError, LookupError):  # it may be another theatre by now
+            if with_adjustments(text, path, adjusted) == text:
+                return now
         raise UserError(
             "has changed on disk since the dive read it, so the line-up is not saved; start the "
             "dive again",
             file=path,
         )
+    changed = with_adjustments(text, path, adjusted)
+    if changed == text:
+        return now
     with replacing(_free(path)) as part:
         part.write_bytes(data)
     with replacing(path) as part:
@@ -69,12 +75,12 @@ def with_adjustments(text: str, path: Path, adjusted: Iterable[AdjustedChannel])
     wanted = convert(before, Theatre)
     head, pieces = toml_pieces(text)
     for channel, adjustment in adjusted:
-        kind, number = place_of(channel.key)
+        kind, number = _table_place(channel)
         old = before[kind][number]
         new = _table(old, adjustment, channel.name if kind == "mpcdi" else None)
         if new == old:
             continue
-        wanted = _with_table(wanted, kind, number, new)
+        wanted, before[kind][number] = _with_table(wanted, kind, number, new), new
         places = [k for k, piece in enumerate(pieces) if piece.key == kind and piece.begins]
         if len(places) == len(before[kind]):
             piece = pieces[places[number]]
@@ -89,6 +95,12 @@ def with_adjustments(text: str, path: Path, adjusted: Iterable[AdjustedChannel])
     if convert(tomllib.loads(result), Theatre) != wanted:
         raise UserError("its tables cannot be edited; write each table with a header", file=path)
     return result.replace("\n", ends)
+
+
+def _table_place(channel: ProjectorChannel) -> tuple[str, int]:
+    """The kind and the number of the table of a channel in its theatre file."""
+    kind, number = place_of(channel.key)
+    return str(kind), int(number)
 
 
 def _table(old: Content, adjustment: Adjustment, region: str | None) -> Content:

@@ -114,7 +114,7 @@ SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
 
 
 class Corners(_Table, frozen=True, kw_only=True):
-    """How far the corners of a picture are moved, pixels right and down."""
+    """Shifts of the corners of a picture, pixels right and down."""
 
     upper_left: PixelPair = (0.0, 0.0)
     upper_right: PixelPair = (0.0, 0.0)
@@ -126,7 +126,7 @@ GAMMAS = 0.5, 4.0  # least and largest
 
 
 class Adjustment(_Table, frozen=True, kw_only=True):
-    """How a projector's picture is turned, moved, masked and coloured, by line-up on the wall.
+    """Turn, shifts, mask and colours of a projector's picture, as line-up on the wall sets them.
 
     Pixels count right and down in the picture as the audience sees it.
     """

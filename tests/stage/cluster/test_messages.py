@@ -13,14 +13,14 @@ from subsea.dive.presented import Presented
 from subsea.stage.cluster import messages
 from subsea.stage.cluster.messages import (
     MAGIC,
-    Ask,
     Diverged,
     Hello,
     Identity,
+    NodeReport,
+    NodeRequest,
     Picture,
     PictureDrawn,
     Refused,
-    Report,
     Resume,
     StatePart,
     Swap,
@@ -42,8 +42,8 @@ FROM_NODE = [
     PictureDrawn(12),
     Diverged(900),
     StatePart(9, 3, b"\x00bytes"),
-    Report("hall.toml: no space is left"),
-    Ask(b'{"command": "line-up-undo"}'),
+    NodeReport("hall.toml: no space is left"),
+    NodeRequest(b'{"command": "line-up-undo"}'),
 ]
 LINE_UP = LineUpState(
     {"left": Adjustment(corners_px=Corners(upper_left=(1.5, -2.0)), gamma=2.4)},

@@ -125,14 +125,15 @@ def test_lines_end_as_before(foyer):
     assert data.count(b"\r\n") == data.count(b"\n") > 30
 
 
-def test_a_file_that_changed_meanwhile_is_one_line(foyer):
+@pytest.mark.parametrize("now", [THEATRE.replace("Tuesday", "Wednesday"), "[[channel", "", "x=1"])
+def test_a_file_that_changed_meanwhile_is_one_line(foyer, now):
     digest, found = file_hash(foyer), channels(foyer)
-    foyer.write_text(THEATRE.replace("Tuesday", "Wednesday"))
+    foyer.write_text(now)
     with pytest.raises(UserError) as told:
         save_line_up(foyer, digest, [AdjustedChannel(found[0], MOVED)])
     line = str(told.value)
     assert line.startswith(f"{foyer}: ") and "has changed on disk" in line and "\n" not in line
-    assert "Wednesday" in foyer.read_text()
+    assert foyer.read_text() == now
     assert [path.name for path in foyer.parent.iterdir()] == ["foyer.toml"]
 
 
@@ -155,6 +156,7 @@ def test_theatres_of_subsea_and_of_other_programs_are_left_alone(tmp_path):
 def test_inline_tables_and_regions_are_written_too(tmp_path, making, table):
     path = tmp_path / "hall.toml"
     window = '[[window]]\nname = "left"\nsize = [160, 120]\n'
+    window += '[[window]]\nname = "right"\nsize = [160, 120]\n'
     if table == "channel":
         channel = 'name = "left", window = "left", angles = '
         channel += "{ left_deg = -30, right_deg = 30, down_deg = -20, up_deg = 20 }"
@@ -165,12 +167,12 @@ def test_inline_tables_and_regions_are_written_too(tmp_path, making, table):
         path.write_text(
             f"# Calibrated.\n{window}"
             f'[[mpcdi]]\nfile = "foyer.mpcdi"\ncylinder = {{ {cylinder} }}\n'
-            'windows = { left = "left" } # the others are off\n'
+            'windows = { left = "left", right = "right" } # the other one is off\n'
         )
     found = usable_channels(*load_theatre(str(path)))[0]
-    save_line_up(path, file_hash(path), [AdjustedChannel(found[0], MOVED)])
+    save_line_up(path, file_hash(path), [AdjustedChannel(one, MOVED) for one in found])
     theatre = load_theatre(str(path))[0]
-    assert file_adjustment(theatre, found[0]) == MOVED
-    assert usable_channels(theatre, path)[0][0].adjustment == MOVED
+    assert [file_adjustment(theatre, one) for one in found] == [MOVED] * len(found)
+    assert [one.adjustment for one in usable_channels(theatre, path)[0]] == [MOVED] * len(found)
     text = path.read_text()
-    assert ("# all" in text) if table == "channel" else ("# the others are off" in text)
+    assert ("# all" in text) if table == "channel" else ("# the other one is off" in text)
