@@ -9,6 +9,7 @@
 //   BLOOM   1: light spreads around what is very bright
 //   EXACT   1: each pixel of the place is one of the canvas
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
+//   ADJUSTED  1: colours are weakened, and it is dark beyond the edge mask
 #include "curve.glsl"
 
 uniform sampler2D u_picture;
@@ -25,6 +26,10 @@ uniform float u_whole;  // what the canvas holds is the light over this
 uniform ivec2 u_shift;  // pixels from the place to the canvas, where EXACT
 
 uniform sampler2D u_bloom;
+uniform vec3 u_tone;    // factors on the values of red, green and blue
+uniform vec2 u_edge[32];  // corners of the edge mask, pixels of the output
+uniform int u_edges;    // how many; 0: no mask
+uniform float u_soft;   // pixels of the fade across its edge
 
 const float SPREAD = 0.5;   // share of the light that is too bright
 const int PLAIN = 0, ROWS = 1, CHECKERS = 2, RED_CYAN = 3, DUBOIS = 4;
@@ -168,14 +173,35 @@ vec3 light() {
     return curved(x);
 }
 
+// The share of the light that the edge mask lets through at a pixel, by its distance from the edge.
+float let_through(vec2 pixel) {
+    float nearest = 1e12;
+    bool inside = false;
+    for (int k = 0; k < u_edges; ++k) {
+        vec2 a = u_edge[k], b = u_edge[k == 0 ? u_edges - 1 : k - 1];
+        vec2 along = b - a, from = pixel - a;
+        vec2 away = from - along * clamp(dot(from, along) / max(dot(along, along), 1e-6), 0.0, 1.0);
+        nearest = min(nearest, dot(away, away));
+        if ((a.y > pixel.y) != (b.y > pixel.y)
+            && pixel.x < a.x + (pixel.y - a.y) * (b.x - a.x) / (b.y - a.y))
+            inside = !inside;
+    }
+    float distance = inside ? sqrt(nearest) : -sqrt(nearest);
+    return clamp(0.5 + distance / u_soft, 0.0, 1.0);
+}
+
 void main() {
     vec3 colour = LINEAR == 1 ? to_srgb(light()) : light();
+    if (ADJUSTED == 1)
+        colour *= u_tone;
     if (MASKED >= 1) {
         vec4 mask = texture(u_mask, v_place);
         colour *= mask.rgb;
         if (MASKED == 2)
             colour = pow(pow(colour, vec3(u_gamma)) + mask.a, vec3(1.0 / u_gamma));
     }
+    if (ADJUSTED == 1 && u_edges > 0)
+        colour *= pow(let_through(gl_FragCoord.xy), 1.0 / u_gamma);
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     f_colour = vec4(colour + (grain - 0.5) / 255.0, 1.0);

@@ -1,8 +1,9 @@
 """Change values in a TOML text and leave all other bytes unchanged."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from subsea.base.errors import UserError
 from subsea.base.toml_positions import Place
@@ -10,7 +11,37 @@ from subsea.base.validation import MISSING
 
 Content = Mapping[str, Any]  # of a table, as tomllib reads it; lists may be tuples
 
-MAX_LINE = 100  # characters; a longer list of tables has one table per line
+MAX_LINE = 100  # characters; a longer list of tables or lists has one of them per line
+_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_-]+)(\s*\.[^\]]*)?\]\]?\s*(#.*)?")
+
+
+class TomlPiece(NamedTuple):
+    """Lines of a file: a header, its keys, and the comments just above."""
+
+    key: str  # of the table, or of that around it
+    begins: bool  # True if its header starts a table at the top, not a nested one
+    text: str
+
+
+def toml_pieces(text: str) -> tuple[str, list[TomlPiece]]:
+    """Split a text into the part before the first header, and one piece per table."""
+    lines = text.splitlines(keepends=True)
+    cuts = []
+    for k, line in enumerate(lines):
+        if header := _HEADER.fullmatch(line.rstrip("\n")):
+            begin = k
+            while begin > 0 and lines[begin - 1].lstrip().startswith("#"):
+                begin -= 1
+            cuts.append((begin, header[2], header[3] is None))
+    starts = [begin for begin, _, _ in cuts]
+    pieces: list[TomlPiece] = []
+    for (begin, key, begins), end in zip(cuts, [*starts[1:], len(lines)], strict=True):
+        piece = TomlPiece(key, begins, "".join(lines[begin:end]))
+        if not begins and pieces and pieces[-1].key == key:
+            pieces[-1] = pieces[-1]._replace(text=pieces[-1].text + piece.text)
+        else:
+            pieces.append(piece)
+    return "".join(lines[: starts[0] if starts else len(lines)]), pieces
 
 
 def edit_toml(
@@ -49,7 +80,7 @@ def toml_value(value: Any) -> str:
     if isinstance(value, list | tuple):
         parts = [toml_value(one) for one in value]
         line = f"[{', '.join(parts)}]"
-        if len(line) > MAX_LINE and isinstance(value[0], dict):
+        if len(line) > MAX_LINE and isinstance(value[0], dict | list | tuple):
             return "[\n" + "".join(f"    {part},\n" for part in parts) + "]"
         return line
     if isinstance(value, dict):

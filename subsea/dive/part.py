@@ -81,6 +81,9 @@ class DivePart:
     def cue(self) -> None:
         """Act on the key for the next cue."""
 
+    def ticked(self, dive: Any) -> None:
+        """Act after the ticks of a picture, before it is drawn."""
+
     def after(self, dive: Any) -> None:
         """Look at a picture that is drawn, before it is shown."""
 

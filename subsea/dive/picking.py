@@ -1,8 +1,8 @@
 """Pick the thing under the pointer, with the renderer's identity map.
 
 A place on the screen is mapped back to the canvas through the patch that shows it: directly,
-through a warp mesh, or from the faces of a cube, as in `shaders/resolve.frag`. If two eyes share
-the screen, the left one counts.
+through an adjustment and a warp mesh, or from the faces of a cube, as in `shaders/resolve.frag`.
+If two eyes share the screen, the left one counts.
 """
 
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from subsea.rendering.gl.id_buffer import FISH, WATER
 from subsea.rendering.renderer import Renderer
 from subsea.view.camera import View
 from subsea.view.display_rigs import SURROUNDS
+from subsea.view.meshes import shown_size, unmoved
 from subsea.view.rig import (
     CUBES,
     CameraRig,
@@ -85,14 +86,14 @@ def canvas_place(rig: CameraRig, x: float, y: float) -> tuple[float, float] | No
 
 def _source(patch: DisplayPatch, x: float, y: float) -> tuple[float, float] | None:
     """The canvas pixel of the left eye at a place in shares of a patch."""
-    share = np.array([x, y])
+    share = unmoved(patch, (x, y))
     if patch.warp is not None:
         share = sources_at(patch.warp, share[None])[0]
     left, bottom, width, height = patch.left
     if patch.shape in CUBES:
         # A dome that a mesh bends is a square.
         square = patch.warp is not None and patch.shape == Projection.DOME
-        shown = np.array([1.0, 1.0]) if square else np.multiply(patch.place[2:], patch.squeezed)
+        shown = np.array([1.0, 1.0] if square else shown_size(patch))
         surround = Surround(*np.degrees(patch.wide))
         size: Any = tuple(shown)
         d = directions(DISPLAYS[patch.shape], size, surround, (share * shown)[None])

@@ -1,7 +1,7 @@
 """Draws a picture: rocks, reef, seabed, water, fishes, particles; then tone mapping."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -22,6 +22,7 @@ from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.gl.static_batch import LazyMesh, StaticMesh, box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
+from subsea.rendering.output.marks import MarkRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of, water_of
@@ -40,6 +41,8 @@ from subsea.scenario.schema import Grade
 from subsea.view.camera import View, middle_eye
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
+
+NO_MARKS: Mapping[int, Array] = {}
 
 
 class BakedScene(NamedTuple):
@@ -153,6 +156,7 @@ class Renderer(GpuOwner):
         self._ids: IdBuffer | None = None
         self._overlay: ResolvePass | None = None
         self._second: ResolvePass | None = None
+        self._marks: MarkRenderer | None = None
         self._make_target(rig, quality)
         self.adapt(quality)
 
@@ -329,13 +333,23 @@ class Renderer(GpuOwner):
         maps = self._sun.draw(standing, fishes, eye, water_of(packet, self._scene.water).hour)
         return maps | wants
 
-    def show(self, canvas: Bytes, into: Into = OWN) -> None:
-        """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
+    def show(self, canvas: Bytes, into: Into = OWN, marks: Mapping[int, Array] = NO_MARKS) -> None:
+        """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping.
+
+        `marks` are drawn over the patches of these numbers, as `MarkRenderer.draw` takes them.
+        """
         texture = self._upload(canvas)
         try:
             self._show(texture, into, 1.0)
         finally:
             texture.release()
+        if marks and self._marks is None:
+            self._marks = self.own(MarkRenderer(self._context))
+        for number, triangles in marks.items():
+            patch = self.rig.patches[number]
+            self._use(patch, into)
+            if self._marks is not None:
+                self._marks.draw(triangles, patch.place)
 
     def id_maps(
         self, packet: Packet, numbers: Sequence[int] | None = None, part: Rect | None = None
@@ -411,7 +425,8 @@ class Renderer(GpuOwner):
             output = patch.output, patch.page
             size = self.rig.outputs[patch.output]
             target = self._use(patch, into)
-            if output not in begun and (patch.place[2:] != size or patch.warp is not None):
+            covers = patch.place[2:] == size and patch.warp is None and patch.adjustment is None
+            if output not in begun and not covers:
                 self._context.viewport = (0, 0, *size)
                 target.clear()  # dark outside the patches
             begun.add(output)

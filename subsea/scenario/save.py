@@ -4,18 +4,17 @@ A file is split at headers such as ``[[rock]]``. Unchanged tables keep their byt
 changed tables single values are edited. Tables are added and removed whole.
 """
 
-import re
 import tomllib
 from contextlib import suppress
 from difflib import SequenceMatcher
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import msgspec
 
 from subsea.base.errors import UserError
 from subsea.base.files import read_text, replacing
-from subsea.base.toml_edit import edit_toml, toml_value
+from subsea.base.toml_edit import TomlPiece, edit_toml, toml_pieces, toml_value
 from subsea.base.toml_files import load_toml, locate_errors
 from subsea.base.toml_positions import Place
 from subsea.base.validation import MISSING, convert
@@ -25,7 +24,6 @@ from subsea.scenario.schema import Scenario
 Content = dict[str, Any]  # of a table: values that differ from the defaults
 
 KEYS = [field.encode_name for field in msgspec.structs.fields(Scenario)]
-_HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_-]+)(\s*\.[^\]]*)?\]\]?\s*(#.*)?")
 
 
 def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> None:
@@ -112,18 +110,10 @@ def _lines(content: Content) -> str:
     return "".join(f"{key} = {toml_value(value)}\n" for key, value in content.items())
 
 
-class _Piece(NamedTuple):
-    """Lines of a file: a header, its keys, and the comments just above."""
-
-    key: str  # of the scenario, "" before the first header
-    begins: bool  # True if its header starts a table of the scenario, not a nested one
-    text: str
-
-
 def _edited(text: str, old: Content, new: Content) -> str:
     """The text of the scenario `old`, changed to `new`."""
     ends = "\r\n" if text.count("\r\n") == text.count("\n") > 0 else "\n"
-    head, pieces = _taken_apart(text.replace(ends, "\n"))
+    head, pieces = toml_pieces(text.replace(ends, "\n"))
     in_head = tomllib.loads(head)
     for key in KEYS:
         was, now = old.get(key, MISSING), new.get(key, MISSING)
@@ -139,29 +129,8 @@ def _edited(text: str, old: Content, new: Content) -> str:
     return (head + "".join(piece.text for piece in pieces)).replace("\n", ends)
 
 
-def _taken_apart(text: str) -> tuple[str, list[_Piece]]:
-    """Split a text into the part before the first header, and one piece per table."""
-    lines = text.splitlines(keepends=True)
-    cuts = []
-    for k, line in enumerate(lines):
-        if header := _HEADER.fullmatch(line.rstrip("\n")):
-            begin = k
-            while begin > 0 and lines[begin - 1].lstrip().startswith("#"):
-                begin -= 1
-            cuts.append((begin, header[2], header[3] is None))
-    starts = [begin for begin, _, _ in cuts]
-    pieces: list[_Piece] = []
-    for (begin, key, begins), end in zip(cuts, [*starts[1:], len(lines)], strict=True):
-        piece = _Piece(key, begins, "".join(lines[begin:end]))
-        if not begins and pieces and pieces[-1].key == key:
-            pieces[-1] = pieces[-1]._replace(text=pieces[-1].text + piece.text)
-        else:
-            pieces.append(piece)
-    return "".join(lines[: starts[0] if starts else len(lines)]), pieces
-
-
 def _exchange(
-    pieces: list[_Piece], key: str, was: list[Content], now: list[Content], listed: bool
+    pieces: list[TomlPiece], key: str, was: list[Content], now: list[Content], listed: bool
 ) -> None:
     """Change, remove and insert tables of a key; unchanged ones stay in place."""
     old, new = ([repr(sorted(table.items())) for table in tables] for tables in (was, now))
@@ -175,7 +144,7 @@ def _exchange(
         both = min(j - i, n - m)
         for table in reversed(now[m + both : n]):
             before = places[i + both - 1] + 1 if i + both else _room(pieces, places, key)
-            _put_in(pieces, before, _Piece(key, True, _block(key, [] if listed else {}, table)))
+            _put_in(pieces, before, TomlPiece(key, True, _block(key, [] if listed else {}, table)))
         for place in reversed(places[i + both : j]):
             _take_out(pieces, place)
         for k in reversed(range(both)):
@@ -185,7 +154,7 @@ def _exchange(
             pieces[place] = pieces[place]._replace(text=text)
 
 
-def _room(pieces: list[_Piece], places: list[int], key: str) -> int:
+def _room(pieces: list[TomlPiece], places: list[int], key: str) -> int:
     """Index for the first table of a key: before its others, or after the preceding keys."""
     if places:
         return places[0]
@@ -194,7 +163,7 @@ def _room(pieces: list[_Piece], places: list[int], key: str) -> int:
     return earlier[-1] + 1 if earlier else 0
 
 
-def _put_in(pieces: list[_Piece], place: int, piece: _Piece) -> None:
+def _put_in(pieces: list[TomlPiece], place: int, piece: TomlPiece) -> None:
     """Insert a piece with blank lines around it."""
     if place > 0:
         above = pieces[place - 1]
@@ -207,7 +176,7 @@ def _put_in(pieces: list[_Piece], place: int, piece: _Piece) -> None:
     pieces.insert(place, piece._replace(text=text))
 
 
-def _take_out(pieces: list[_Piece], place: int) -> None:
+def _take_out(pieces: list[TomlPiece], place: int) -> None:
     """Remove a piece; for the last one also the blank line above it."""
     last = place == len(pieces) - 1
     del pieces[place]

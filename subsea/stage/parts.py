@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from subsea.dive.tick_source import TickSourceMaker
     from subsea.stage.console.options import ConsoleOptions
     from subsea.stage.console.remote_control import RemoteControl
+    from subsea.stage.line_up import TheatreLineUp
     from subsea.stage.show_player import ShowScreens
     from subsea.ui.dive import Dive
     from subsea.ui.monitors import Installation
@@ -46,6 +47,7 @@ class TheatrePart(DivePart):
         """
         self.name, self.shrink, self.node, self.resumes = name, shrink, node, resumes
         self._installation: tuple[Installation, TickSourceMaker] | None = None
+        self.line_up: TheatreLineUp | None = None  # None: not planned yet
 
     @staticmethod
     def add_options(parser: ArgumentParser) -> None:
@@ -91,6 +93,7 @@ class TheatrePart(DivePart):
     def plan(self, options: "DiveOptions") -> "DiveOptions":
         """Load the theatre; options for one computer are refused on a node."""
         from subsea.stage.cluster.ticks import MasterScenario
+        from subsea.stage.line_up import TheatreLineUp
         from subsea.stage.setup import theatre_windows
         from subsea.stage.show_file import check_for_cluster
         from subsea.stage.theatre.load import load_theatre
@@ -109,13 +112,31 @@ class TheatrePart(DivePart):
                 raise UserError(f"--playlist is for the master of the cluster, {cluster.master!r}")
             check_for_cluster(screens.show, screens.path)
         leads = any(part.leads for part in options.parts)
-        self._installation = theatre_windows(self, options.display, leads)
+        shown = theatre_windows(self, options.display, leads)
+        self._installation = shown.installation, shown.make_ticks
+        self.line_up = TheatreLineUp(self, shown, options.display)
         self._master = MasterScenario()
         return options
 
     def installation(self, options: "DiveOptions") -> "tuple[Installation, TickSourceMaker] | None":
         """The windows and the source of ticks of the theatre."""
         return self._installation
+
+    def begin(self, dive: "Dive") -> None:
+        """Let the keyboard of this computer line the projectors up."""
+        if self.line_up is not None:
+            self.line_up.listen(dive)
+
+    def before(self, dive: "Dive", elapsed_s: float) -> bool:
+        """Let all computers show the line-up."""
+        if self.line_up is not None:
+            self.line_up.before(dive)
+        return False
+
+    def ticked(self, dive: "Dive") -> None:
+        """Show the line-up of this picture."""
+        if self.line_up is not None:
+            self.line_up.ticked(dive)
 
     def shown(self, dive: "Dive") -> None:
         """Open what the master of this node has opened."""
@@ -260,7 +281,8 @@ class ConsolePart(DivePart):
         """Open the console; a fault, such as a port that is taken, is one line."""
         from subsea.stage.console.remote_control import open_console
 
-        self.remote = open_console(dive, self._options, show_of(dive.parts))
+        line_up = next((part.line_up for part in dive.parts if isinstance(part, TheatrePart)), None)
+        self.remote = open_console(dive, self._options, show_of(dive.parts), line_up)
 
     def beat(self) -> None:
         """Note that the dive is alive."""

@@ -22,10 +22,11 @@ from subsea.sound.space import Layout, loudspeakers
 from subsea.stage.cluster.link import cluster_faults
 from subsea.stage.cluster.messages import HASH
 from subsea.stage.cluster.ticks import tick_source_maker
+from subsea.stage.theatre.adjusting import in_larger_pixels, patch_adjustment
 from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
 from subsea.stage.theatre.imported import ImportedTheatre
 from subsea.stage.theatre.load import load_theatre
-from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window
+from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, Archive, Channel, Theatre, Window
 from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.stage.theatre.theatre_writer import write_theatre
 from subsea.stage.theatre.warp import describe_warp
@@ -48,6 +49,18 @@ class TheatreSetup(NamedTuple):
     # Of this computer, none if all belong to others; None: the theatre lists none.
     loudspeakers: Layout | None = None
     in_front: bool = True  # False: other computers show what is ahead of the audience
+    whole: Theatre | None = None  # with all its pixels, if the theatre is shrunk
+    channels: tuple[ProjectorChannel, ...] = ()  # those that work, of all computers
+    digest: str = ""  # of the file when it was read
+
+
+class TheatreWindows(NamedTuple):
+    """The windows of a theatre on this computer, and what makes its ticks."""
+
+    installation: Installation
+    make_ticks: Callable[[World, Pilot], TickSource]
+    setup: TheatreSetup
+    view: dict[str, str]  # what must be equal on all computers; a saved line-up changes it
 
 
 def set_up_theatre(
@@ -67,6 +80,7 @@ def set_up_theatre(
         raise UserError("has no [cluster]; drop --node", file=path)
     if node is not None and node not in theatre.nodes:
         raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
+    digest, whole = file_hash(path), theatre
     theatre = shrink_theatre(theatre, shrink)
     for line in chain(*import_notes(theatre)):
         say(f"{path}: left out: {line}")
@@ -85,7 +99,9 @@ def set_up_theatre(
         numbers = shown_windows(theatre, found, None)
         everybody = theatre_rig(theatre, found, numbers, display, stereo)
     ahead = front(everybody).channel == front(rig).channel
-    return TheatreSetup(theatre, path, windows, rig, _loudspeakers(theatre, node), ahead)
+    return TheatreSetup(
+        theatre, path, windows, rig, _loudspeakers(theatre, node), ahead, whole, found, digest
+    )
 
 
 def _shown_channels(
@@ -171,6 +187,7 @@ def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
         return msgspec.structs.replace(window, size=size, position=place)
 
     def smaller(channel: Channel) -> Channel:
+        channel = in_larger_pixels(channel, times)
         if channel.viewport is None:
             return channel
         x, y, width, height = channel.viewport
@@ -183,7 +200,14 @@ def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
         theatre,
         window=[less(window) for window in theatre.window],
         channel=[smaller(channel) for channel in theatre.channel],
+        mpcdi=[_smaller_regions(archive, times) for archive in theatre.mpcdi],
     )
+
+
+def _smaller_regions(archive: Archive, times: int) -> Archive:
+    """Count the adjustments of an archive's regions in larger pixels."""
+    adjust = {name: in_larger_pixels(one, times) for name, one in archive.adjust.items()}
+    return msgspec.structs.replace(in_larger_pixels(archive, times), adjust=adjust)
 
 
 def _check_left(times: int, size: tuple[int, int], what: str) -> None:
@@ -261,18 +285,20 @@ def _words(one: ProjectorChannel) -> str:
         parts.append(f"warped by {describe_warp(one.warp)}")
     if one.mask is not None:
         parts.append("blended")
+    if patch_adjustment(one.adjustment, one.size) is not None:
+        parts.append("adjusted")
     return ", ".join(parts)
 
 
 def theatre_windows(
     theatre: "TheatrePart", display: DisplayOptions, leads: bool = False
-) -> tuple[Installation, Callable[[World, Pilot], TickSource]]:
+) -> TheatreWindows:
     """The rig and windows of a theatre, and the maker of its tick source.
 
     A master that `leads` has its nodes open the scenarios that it shows.
     """
     setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node, theatre.shrink)
-    view = {}
+    view: dict[str, str] = {}
     if theatre.node is not None:
         view = view_parts(theatre.name, display.mode, display.stereo)
     make_ticks = tick_source_maker(
@@ -283,4 +309,4 @@ def theatre_windows(
         for window in setup.windows
     ]
     shown = Installation(setup.rig, screens, str(setup.path), setup.loudspeakers, setup.in_front)
-    return shown, make_ticks
+    return TheatreWindows(shown, make_ticks, setup, view)

@@ -363,6 +363,8 @@ class Dive:
         if alpha is None and not self.tick_source.waiting:
             return  # nothing new to draw
         start += self.tick_source.idle_s
+        for part in self.parts:
+            part.ticked(self)
         picture, ride = self.picture, self.picture.ride
         picture.follow_pattern(self.tick_source.presented.pattern, self.overlay.help_hidden)
         picture.alpha = picture.alpha if alpha is None else alpha

@@ -2,7 +2,7 @@
 
 import gc
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.base.arrays import Bytes
+from subsea.base.arrays import Array, Bytes
 from subsea.base.language import marked, translated
 from subsea.dive import adaptive_quality
 from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
@@ -50,6 +50,14 @@ from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
 from subsea.view.theatre_vessel import PANEL_SIZE
 from subsea.world.world import World
+
+CanvasMaker = Callable[[CameraRig], Bytes]  # makes a canvas (h, w, 3) for a rig
+
+
+def _test_pattern(rig: CameraRig) -> Bytes:
+    from subsea.view.test_pattern import lineup  # needs Pillow
+
+    return lineup(rig)
 
 
 @contextmanager
@@ -106,6 +114,8 @@ class ScenePicture:
         self._window_set, self._fixed, self._options = window_set, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
         self._wanted_pattern = False  # what a presenter last wanted
+        self._canvas: CanvasMaker = _test_pattern  # what is shown as a pattern ...
+        self._marks: Mapping[int, Array] = {}  # ... and over it, by patch
         self._saw: tuple[Ride, int] | None = None  # the last ride and tick that saw the light
         self._drawn: Packet | None = None
         self._seen: tuple[View, ...] = ()  # views of the current picture
@@ -239,6 +249,20 @@ class ScenePicture:
             self._wanted_pattern = wanted
             if self.pattern != wanted:
                 self.show_pattern(clear)
+
+    def fit(
+        self, rig: CameraRig, canvas: CanvasMaker | None, marks: Mapping[int, Array], clear: bool
+    ) -> None:
+        """Take another fixed rig, and show a canvas with marks instead of the sea; None: the sea.
+
+        Both are as `Renderer.show` takes them.
+        """
+        self._fixed, self._canvas, self._marks = rig, canvas or _test_pattern, marks
+        self._take_rig()
+        if self.pattern != (canvas is not None):
+            self.pattern = canvas is not None
+            self._pace = adaptive_quality.resumed(self._pace)
+        self.arrange(clear)
 
     def show_as(self, display: str) -> None:
         """Change to another display mode, one of `displays`."""
@@ -434,9 +458,7 @@ class ScenePicture:
     def _draw_pattern(self) -> None:
         """Draw the test pattern, if shown, into the renderer's pictures, once."""
         if self.pattern:
-            from subsea.view.test_pattern import lineup  # needs Pillow
-
-            self.renderer.show(lineup(self.rig))
+            self.renderer.show(self._canvas(self.rig), marks=self._marks)
 
     def _take_rig(self) -> None:
         """Set the rig for the current windows, and its text viewports."""

@@ -118,6 +118,7 @@ class GlWindow:
         self.inside = False  # True if the pointer is in it
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
         self.listener: Gui | None = None
+        self.take_key: Callable[[int, int], bool] | None = None  # before all others, if it uses it
         self.pointer_range: PointerRange | None = None  # if larger than the window
         self._commands = commands
         self.finger = Finger(pilot)  # on a touch screen
@@ -258,7 +259,9 @@ class GlWindow:
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
         if action != glfw.REPEAT:  # a repeated key may be blocked
             self.pilot.note_activity()
-        used = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
+        taken = self.take_key is not None and action != glfw.RELEASE and self.take_key(key, mods)
+        down = action != glfw.RELEASE
+        used = taken or (self.listener is not None and self.listener.keyed(key, down, mods))
         name = KEYS.get(key, "")
         if action == glfw.RELEASE:
             self.pilot.release(name)  # even if the listener used it: it may have been held

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.view.adjustment import PatchAdjustment
 from subsea.view.camera import View, cross, look
 from subsea.view.theatre_vessel import TheatreVessel
 
@@ -99,6 +100,7 @@ class DisplayPatch(NamedTuple):
     mask: Array | None = None
     gamma: float = 2.2  # of the projector: light is the value to this power
     channel: int = 0  # index of the projector or screen, the same for both eyes
+    adjustment: PatchAdjustment | None = None  # how it lies on the output; None: straight
 
 
 class CameraRig(NamedTuple):
@@ -255,10 +257,10 @@ LEAST_AREA = 1e-12  # of a triangle that lights nothing
 def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
     """Sources (k, 2) at places (k, 2) for the left or right eye; NaN where dark."""
     shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
-    return _carried(warp.vertices[:, :2], shown, warp.triangles, places)
+    return carried(warp.vertices[:, :2], shown, warp.triangles, places)
 
 
-def _carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
+def carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
     """Carry points (k, 2) by the triangles from their corners in `start` to those in `end`."""
     points = np.asarray(points, np.float64)
     from_, to = (side.astype(np.float64)[triangles] for side in (start, end))  # (m, 3, 2)
@@ -266,7 +268,7 @@ def _carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
     area = across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]
     real = np.abs(area) > 2 * LEAST_AREA
     a, across, up, area, to = a[real], across[real], up[real], area[real], to[real]
-    carried = np.full(points.shape, np.nan)
+    found = np.full(points.shape, np.nan)
     for number, point in enumerate(points):
         x, y = (point - a).T
         s = (x * up[:, 1] - y * up[:, 0]) / area
@@ -274,5 +276,5 @@ def _carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
         worst = np.minimum(np.minimum(s, t), 1 - s - t)
         if len(worst) and worst[best := int(np.argmax(worst))] > -1e-6:
             weights = np.array([1 - s[best] - t[best], s[best], t[best]])
-            carried[number] = weights @ to[best]
-    return carried
+            found[number] = weights @ to[best]
+    return found

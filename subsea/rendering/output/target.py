@@ -1,6 +1,6 @@
 """The canvas in linear light, the pass that resolves it to eight bits, and further windows."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
 from typing import Any
@@ -14,6 +14,8 @@ from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms, so
 from subsea.rendering.gl.textures import upload
 from subsea.rendering.output.quality import Quality
 from subsea.scenario.schema import UNGRADED, Grade
+from subsea.view.adjustment import MOST_EDGES
+from subsea.view.meshes import fine_mesh, lit_places, shown_size
 from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
@@ -104,6 +106,9 @@ OWN: Into = {}  # all outputs are drawn into the renderer's own pictures
 
 LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
+# Vertices, where they are lit, triangles, and arrays by constants.
+_Mesh = tuple[Any, Any, Any, dict[tuple[int, ...], Any]]
+FULL = (1.0, 1.0, 1.0)  # factors on light that change nothing
 
 
 @lru_cache(maxsize=8)
@@ -189,6 +194,8 @@ class ResolvePass(GpuOwner):
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
         self._held = self.own(GpuOwner())  # of these patches
         self._smooth = smooth
+        self.patches: tuple[DisplayPatch, ...] = ()
+        self._fine: list[Warp | None] = []  # the meshes of the patches
         self._bloom: Bloom | None = None
         self.arrange(patches)
 
@@ -204,9 +211,14 @@ class ResolvePass(GpuOwner):
     def arrange(self, patches: Sequence[DisplayPatch]) -> None:
         """Replace the patches."""
         self._held.release()
+        fine = zip(self.patches, self._fine, strict=True)
         self.patches = tuple(patches)
+        self._fine = self._cut(fine)
         # Of warps: vertices, triangles, and arrays by constants.
-        self._meshes = [patch.warp and self._mesh(patch.warp) for patch in self.patches]
+        self._meshes = [
+            None if mesh is None else self._mesh(patch, mesh)
+            for patch, mesh in zip(self.patches, self._fine, strict=True)
+        ]
         self._masks: list[Any] = [
             None if p.mask is None else self._mask(p.mask) for p in self.patches
         ]
@@ -215,7 +227,7 @@ class ResolvePass(GpuOwner):
             0 if p.mask is None else 1 + bool(np.any(p.mask[..., 3])) for p in self.patches
         ]
         for number, patch in enumerate(self.patches):
-            self._array(number, True, exact=self._exact(patch, patch.left))
+            self._array(number, True, exact=self._exact(number, patch.left))
 
     def draw(
         self,
@@ -239,7 +251,7 @@ class ResolvePass(GpuOwner):
         context.viewport = patch.place
         context.disable(context.DEPTH_TEST | context.BLEND)
         left, right = scaled(patch.left, scale), scaled(patch.right, scale)
-        exact = self._exact(patch, left, linear)
+        exact = self._exact(number, left, linear)
         compiled, array = self._array(number, linear, bloom is not None, exact)
         set_uniforms(
             compiled,
@@ -249,28 +261,30 @@ class ResolvePass(GpuOwner):
             u_wide=patch.wide,
             u_gamma=patch.gamma,
             u_apart=patch.apart,
-            u_shown=_shown(patch),
+            u_shown=self._shown(number),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
             u_gain=gain(self.grade),
             u_contrast=self.grade.contrast,
             u_saturation=self.grade.saturation,
             u_whole=1.0 / (unit or 1.0),
             u_shift=(left[0] - patch.place[0], left[1] - patch.place[1]),
+            **_adjusted(patch),
         )
         canvas.filter = NEAREST if exact else LINEAR
         canvas.use(0)
         if self._masks[number] is not None:
             self._masks[number].use(TEXTURE_UNITS["u_mask"])
-        array.render(vertices=3 if patch.warp is None else -1)
+        array.render(vertices=3 if self._meshes[number] is None else -1)
 
     def _may_bloom(self, patch: DisplayPatch) -> bool:
         """True for the only picture of one eye: others would not match at their edges."""
         plain = patch.weave == Weave.PLAIN and patch.shape == Projection.FLAT
         return plain and patch.mask is None and len(self.patches) == 1
 
-    def _exact(self, patch: DisplayPatch, left: Rect, linear: bool = True) -> bool:
+    def _exact(self, number: int, left: Rect, linear: bool = True) -> bool:
         """True if each pixel of a patch is one of its source `left` on the canvas."""
-        if patch.shape != Projection.FLAT or patch.warp is not None:
+        patch = self.patches[number]
+        if patch.shape != Projection.FLAT or self._meshes[number] is not None:
             return False
         return left[2:] == patch.place[2:] and not (self._smooth and linear)
 
@@ -278,54 +292,91 @@ class ResolvePass(GpuOwner):
         self, number: int, linear: bool, bloom: bool = False, exact: bool = False
     ) -> tuple[Any, Any]:
         """The program of a patch, compiled when first needed, and its vertex array."""
-        patch = self.patches[number]
-        smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
-        masked = self._masked[number]
-        mesh = patch.warp is not None
-        graded = linear and self.grade != UNGRADED
-        key = tuple(
-            map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom, exact))
-        )
+        patch, held = self.patches[number], self._meshes[number]
+        meshed = held is not None and patch.shape == Projection.FLAT
+        plain = patch.weave == Weave.PLAIN and patch.shape not in CUBES
+        constants = {
+            "WEAVE": int(patch.weave),
+            "SHAPE": int(Projection.WARPED if meshed else patch.shape),
+            "MESH": int(held is not None),
+            "SMOOTH": int(self._smooth and linear and plain),
+            "MASKED": self._masked[number],
+            "LINEAR": int(linear),
+            "GRADED": int(linear and self.grade != UNGRADED),
+            "BLOOM": int(bloom),
+            "EXACT": int(exact),
+            "ADJUSTED": int(_is_weakened(patch)),
+        }
+        key = tuple(constants.values())
         if key not in self._programs:
-            names = (
-                "WEAVE",
-                "SHAPE",
-                "MESH",
-                "SMOOTH",
-                "MASKED",
-                "LINEAR",
-                "GRADED",
-                "BLOOM",
-                "EXACT",
-            )
-            constants = dict(zip(names, key, strict=True))
             self._programs[key] = self.own(program(self._context, "resolve", **constants))
-            if not mesh:
+            if held is None:
                 self._plain[key] = self.own(self._context.vertex_array(self._programs[key], []))
-        held = self._meshes[number]
+        compiled = self._programs[key]
         if held is None:
-            return self._programs[key], self._plain[key]
-        vertices, triangles, arrays = held
+            return compiled, self._plain[key]
+        vertices, lit, triangles, arrays = held
         if key not in arrays:
-            content = [(vertices, "2f 4f", "in_place", "in_seen")]
-            array = self._context.vertex_array(self._programs[key], content, triangles)
+            # A shader without a mask may have no use for the place.
+            used = "in_place" in compiled
+            names = ("2f 4f", "in_place", "in_seen") if used else ("2x4 4f", "in_seen")
+            content = [(vertices, *names), (lit, "3f", "in_lit")]
+            array = self._context.vertex_array(compiled, content, triangles)
             arrays[key] = self._held.own(array)
-        return self._programs[key], arrays[key]
+        return compiled, arrays[key]
 
-    def _mesh(self, warp: Warp) -> tuple[Any, Any, dict[tuple[int, ...], Any]]:
-        parts = warp.vertices.astype("f4"), warp.triangles.astype("i4")
-        vertices, triangles = self._held.own_buffers(self._context, *parts)
-        return vertices, triangles, {}
+    def _cut(self, before: Iterable[tuple[DisplayPatch, Warp | None]]) -> list[Warp | None]:
+        """Cut the meshes of the patches; those of `before` that would be the same are kept."""
+        kept = {(id(patch.warp), _cuts(patch)): mesh for patch, mesh in before}
+        return [
+            kept.get((id(patch.warp), _cuts(patch))) or fine_mesh(patch) for patch in self.patches
+        ]
+
+    def _mesh(self, patch: DisplayPatch, mesh: Warp) -> _Mesh:
+        parts = mesh.vertices.astype("f4"), lit_places(patch, mesh).astype("f4")
+        triangles = mesh.triangles.astype("i4")
+        return *self._held.own_buffers(self._context, *parts, triangles), {}
+
+    def _shown(self, number: int) -> tuple[float, float]:
+        """Width and height that a patch shows unsqueezed; a dome in a mesh is a square."""
+        patch = self.patches[number]
+        if self._meshes[number] is not None and patch.shape == Projection.DOME:
+            return 1.0, 1.0
+        return shown_size(patch)
 
     def _mask(self, mask: Array) -> Any:
         return self._held.own(upload(self._context, mask[::-1].astype("f2")))
 
 
-def _shown(patch: DisplayPatch) -> tuple[float, float]:
-    """Width and height that a patch shows unsqueezed; a warped dome is a square."""
-    if patch.warp is not None and patch.shape == Projection.DOME:
-        return 1.0, 1.0
-    return patch.place[2] * patch.squeezed[0], patch.place[3] * patch.squeezed[1]
+def _cuts(patch: DisplayPatch) -> tuple[object, ...]:
+    """Return all that the fine mesh of a patch depends on, beside its warp."""
+    adjustment = patch.adjustment
+    points = None if adjustment is None or adjustment.points is None else adjustment.points.shape
+    moves = adjustment is not None and adjustment.moves
+    return points, moves, patch.shape, shown_size(patch)
+
+
+def _is_weakened(patch: DisplayPatch) -> bool:
+    """True if a patch has weaker colours or an edge mask."""
+    adjustment = patch.adjustment
+    return adjustment is not None and (adjustment.edge is not None or adjustment.gain != FULL)
+
+
+def _adjusted(patch: DisplayPatch) -> dict[str, Any]:
+    """Return the uniforms of a patch with weaker colours or an edge mask."""
+    adjustment = patch.adjustment
+    if adjustment is None or not _is_weakened(patch):
+        return {}
+    edge = np.zeros((MOST_EDGES, 2), np.float32)
+    count = 0 if adjustment.edge is None else len(adjustment.edge)
+    if adjustment.edge is not None:
+        edge[:count] = patch.place[:2] + adjustment.edge * np.array(patch.place[2:])
+    return {
+        "u_tone": tuple(share ** (1.0 / patch.gamma) for share in adjustment.gain),
+        "u_edge": edge.tobytes(),
+        "u_edges": count,
+        "u_soft": adjustment.edge_soft_px,
+    }
 
 
 def scaled(rect: Rect, scale: float) -> Rect:

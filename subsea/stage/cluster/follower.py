@@ -14,6 +14,7 @@ from subsea.stage.cluster import link, messages
 from subsea.stage.cluster.identity import NO_VIEW, identity_of
 from subsea.stage.cluster.keys import Keys
 from subsea.stage.cluster.master import Say
+from subsea.stage.theatre.line_up import LineUpState
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.step import step
@@ -46,6 +47,7 @@ class Follower:
         self.world = world
         self.waiting = ""  # cause of a wait
         self.presented = NOTHING  # over the sea of the last picture
+        self.line_up: LineUpState | None = None  # of the theatre; None: as its file has it
         self.wanted: tuple[str, int] | None = None  # name and seed of the master's scenario
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
         self._identity = identity_of(world, view)
@@ -59,7 +61,7 @@ class Follower:
         self._garbled = False
         self._context: Any = zmq.Context()
         try:
-            limit = snapshot.size_limit(world) + messages.SMALL
+            limit = max(snapshot.size_limit(world), messages.LINE_UP) + messages.SMALL
             self._socket = link.calling(self._context, address, keys, master, limit)
         except BaseException:
             self._context.term()
@@ -112,6 +114,18 @@ class Follower:
             if time.monotonic() > end:
                 return
 
+    def report(self, words: str) -> None:
+        """Tell the presenter a line, if there is a connection."""
+        self._say(messages.NodeReport(words[:1000]))
+
+    def ask(self, command: bytes) -> None:
+        """Ask the master to apply a command of this node's keyboard, if there is a connection."""
+        self._say(messages.NodeRequest(command))
+
+    def renew_view(self, view: Mapping[str, str]) -> None:
+        """Take other parts of the view that must equal the master's, after a file was saved."""
+        self._identity = identity_of(self.world, view)
+
     @property
     def lost(self) -> bool:
         """True if the master has fallen silent during a dive."""
@@ -149,6 +163,7 @@ class Follower:
             step(self.world, steered)
         self._number, self._alpha = picture.number, picture.alpha
         self.presented = picture.presented
+        self.line_up = self.line_up if picture.line_up is None else picture.line_up
         return True
 
     def _take(self, state: messages.WorldState) -> None:

@@ -14,11 +14,12 @@ import numpy as np
 import zmq
 from zmq.auth.thread import ThreadAuthenticator
 
-from subsea.base.errors import UserError
+from subsea.base.errors import UserError, printable
 from subsea.dive.presented import NOTHING
 from subsea.stage.cluster import link, messages
 from subsea.stage.cluster.identity import NO_VIEW, difference, identity_of, may_open
 from subsea.stage.cluster.keys import Keys
+from subsea.stage.theatre.line_up import LineUpState
 from subsea.submarine.vessel import Helm, Rail
 from subsea.world import snapshot
 from subsea.world.step import step
@@ -94,6 +95,7 @@ CHECK_TICKS = 30  # interval of checksums of the world: once a second
 NUDGE_S = 0.02  # interval at which late nodes are probed
 NEAR = 30  # most pictures that a node may be behind to be waited for again
 LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
+LINE_UP_S = 1.0  # longest time between two messages with the line-up
 STATE_S = 1.0  # shortest time between two states sent to a node
 GATHER_S = 1.5  # longest time in which nodes come that may know the dive: they call once a second
 FETCH_S = 3.0  # longest time that one takes to send its state
@@ -119,6 +121,10 @@ class Master:
         nodes with another view are refused. Raises UserErrors.
         """
         self.world, self.presented = world, NOTHING
+        self.line_up: LineUpState | None = None  # of the theatre, for all nodes
+        self._lined_up: tuple[LineUpState | None, float] = None, 0.0  # sent last, and when
+        self.reports: deque[str] = deque(maxlen=64)  # lines of nodes for the presenter
+        self.asked: deque[bytes] = deque(maxlen=64)  # commands of the nodes' keyboards
         self.offers = ""  # the scenario that nodes may open to take part; empty: none
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
         self._identity = identity_of(world, view)
@@ -202,9 +208,10 @@ class Master:
         if tick - self._checked >= CHECK_TICKS:
             check, self._checked = snapshot.checksum(self.world), tick
         self._number += 1
+        lined_up = self._news_of_line_up()
         if isinstance(ticks, Sequence):
             picture = messages.picture_of(
-                self._number, tick, alpha, ticks, check, lights, self.presented
+                self._number, tick, alpha, ticks, check, lights, self.presented, lined_up
             )
             self._send_all(picture)
             for steered in messages.ticks_of(picture):
@@ -218,8 +225,23 @@ class Master:
             step(self.world, exact)
             made.append(exact)
         self._send_all(
-            messages.picture_of(self._number, tick, alpha, made, check, lights, self.presented)
+            messages.picture_of(
+                self._number, tick, alpha, made, check, lights, self.presented, lined_up
+            )
         )
+
+    def _news_of_line_up(self) -> LineUpState | None:
+        """The line-up if it has changed, and now and then, as nodes may have come; else None."""
+        sent, sent_s = self._lined_up
+        now = time.monotonic()
+        if self.line_up is None or (self.line_up is sent and now - sent_s < LINE_UP_S):
+            return None
+        self._lined_up = self.line_up, now
+        return self.line_up
+
+    def renew_view(self, view: Mapping[str, str]) -> None:
+        """Take other parts of the view that nodes must have, after a file was saved."""
+        self._identity = identity_of(self.world, view)
 
     def swap(self) -> None:
         """Wait until all nodes in step have drawn, or time out, and tell them to show it."""
@@ -295,8 +317,18 @@ class Master:
     def _answer(
         self,
         node: NodeRecord,
-        message: messages.PictureDrawn | messages.Diverged | messages.StatePart,
+        message: messages.PictureDrawn
+        | messages.Diverged
+        | messages.StatePart
+        | messages.NodeReport
+        | messages.NodeRequest,
     ) -> None:
+        if isinstance(message, messages.NodeRequest):
+            self.asked.append(message.command)
+            return
+        if isinstance(message, messages.NodeReport):
+            self.reports.append(f"node {node.name}: {printable(message.words)}")
+            return
         if isinstance(message, messages.Diverged):
             self._resynchronize(node, message.tick)
             return

@@ -14,11 +14,13 @@ import numpy as np
 from subsea import __version__
 from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING, Presented
+from subsea.stage.theatre.line_up import LineUpState
 from subsea.submarine.vessel import Helm, Rail
 
-PROTOCOL = 6
+PROTOCOL = 7
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
-SMALL = 4096  # bytes; all messages but the state of a dive are smaller
+SMALL = 4096  # bytes; all messages but the state of a dive and a line-up are smaller
+LINE_UP = 1 << 20  # bytes of a picture with a line-up
 PART = 3800  # bytes of a state in a message to the master: with all around them below SMALL
 SLICE = 16 * PART  # bytes of a state that the master asks for at once
 MAX_HELMS = 16  # ticks in a picture
@@ -79,6 +81,18 @@ class StatePart(Message, tag="part"):
     data: Annotated[bytes, msgspec.Meta(min_length=1, max_length=PART)]
 
 
+class NodeReport(Message, tag="report"):
+    """From a node: a line for the presenter, such as why its theatre file was not saved."""
+
+    words: Words
+
+
+class NodeRequest(Message, tag="ask"):
+    """From a node: a command of its keyboard, as JSON, which the master checks."""
+
+    command: Annotated[bytes, msgspec.Meta(max_length=1000)]
+
+
 class WorldState(Message, tag="state"):
     """To a node: the world after the picture of this number; see `subsea/world/snapshot.py`."""
 
@@ -99,6 +113,7 @@ class Picture(Message):
     checksum: Hash = ""  # of the world before them, or empty
     lights: bool = False  # whether the submarine's lights are on
     presented: Presented = NOTHING  # over the sea, or instead of it
+    line_up: LineUpState | None = None  # of the theatre from now on; None: as before
 
 
 class Swap(Message):
@@ -126,7 +141,7 @@ class Refused(Message):
     reason: Words
 
 
-FromNode = Hello | PictureDrawn | Diverged | StatePart
+FromNode = Hello | PictureDrawn | Diverged | StatePart | NodeReport | NodeRequest
 FromMaster = WorldState | Picture | Swap | Resume | OpenSea | Refused
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
@@ -158,12 +173,12 @@ def ticks_of(picture: Picture) -> list[Helm | Rail]:
 
 def picture_of(
     number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str,
-    lights: bool = False, presented: Presented = NOTHING,
+    lights: bool = False, presented: Presented = NOTHING, line_up: LineUpState | None = None,
 ) -> Picture:  # fmt: skip
     """The message of a picture; its rails must come before its helms."""
     rails = [_rail_row(steered) for steered in ticks if isinstance(steered, Rail)]
     helms = [_helm_row(steered) for steered in ticks if isinstance(steered, Helm)]
-    return Picture(number, tick, float(alpha), helms, rails, checksum, lights, presented)
+    return Picture(number, tick, float(alpha), helms, rails, checksum, lights, presented, line_up)
 
 
 def _helm_row(helm: Helm) -> HelmRow:

@@ -15,6 +15,7 @@ from subsea.dive.presented import BLANK_S
 from subsea.dive.tick_source import LocalTicks, SteeringSource, TickSource, TickSourceMaker
 from subsea.dive.tour import Steer
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
+from subsea.stage.theatre.line_up import NOTHING_CHANGED, LineUpState
 from subsea.stage.theatre.theatre_file import Theatre
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose
@@ -96,6 +97,26 @@ class LeaderTicks(TickSource):
         """Interpolate as on all nodes, a tick late."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
 
+    def line_up(self, state: LineUpState) -> None:
+        """Let all nodes show this line-up."""
+        self._master.line_up = None if state is NOTHING_CHANGED else state
+
+    def reports(self) -> list[str]:
+        """Take the lines of nodes for the presenter."""
+        lines = list(self._master.reports)
+        self._master.reports.clear()
+        return lines
+
+    def asked(self) -> list[bytes]:
+        """Take the commands of the nodes' keyboards."""
+        commands = list(self._master.asked)
+        self._master.asked.clear()
+        return commands
+
+    def renew_view(self, view: Mapping[str, str]) -> None:
+        """Take other parts of the view that nodes must have, after a file was saved."""
+        self._master.renew_view(view)
+
     def swap(self, drawn: Callable[[], None]) -> None:
         """Wait until all nodes have drawn."""
         drawn()
@@ -149,6 +170,23 @@ class FollowerTicks(TickSource):
         if self._node.waiting == "":
             self.presented = self._node.presented
         return alpha
+
+    @property
+    def lined_up(self) -> LineUpState | None:
+        """The line-up that the master has sent; None: none yet."""
+        return self._node.line_up
+
+    def ask(self, command: bytes) -> None:
+        """Ask the master to apply a command of this node's keyboard."""
+        self._node.ask(command)
+
+    def report(self, words: str) -> None:
+        """Tell the presenter at the master a line."""
+        self._node.report(words)
+
+    def renew_view(self, view: Mapping[str, str]) -> None:
+        """Take other parts of the view that must equal the master's, after a file was saved."""
+        self._node.renew_view(view)
 
     def eye(self) -> CameraPose:
         """The pose of the master's eye."""

@@ -111,6 +111,76 @@ class ShowLineUp(PresenterCommand, frozen=True, tag="line-up"):
     on: bool
 
 
+class LineUpCommand(PresenterCommand, frozen=True):
+    """Base of the commands for line-up on the wall."""
+
+
+class EditLineUp(LineUpCommand, frozen=True, tag="line-up-edit"):
+    """The command `line-up-edit`."""
+
+    on: bool
+
+
+class ChooseLineUp(LineUpCommand, frozen=True, tag="line-up-choose"):
+    """The command `line-up-choose`."""
+
+    channel: Annotated[
+        str, Meta(max_length=256, description="name, `next` or `previous`; empty: the same")
+    ] = ""
+    point: Annotated[
+        str,
+        Meta(
+            max_length=20,
+            description="`upper_left` and so on, ROW,COLUMN, edge:NUMBER, `next` or `previous`",
+        ),
+    ] = ""
+
+
+class MoveLineUp(LineUpCommand, frozen=True, tag="line-up-move"):
+    """The command `line-up-move`."""
+
+    right: Annotated[float, Meta(ge=-10_000, le=10_000, description="pixels")] = 0.0
+    down: Annotated[float, Meta(ge=-10_000, le=10_000, description="pixels")] = 0.0
+
+
+class SetLineUp(LineUpCommand, frozen=True, tag="line-up-set"):
+    """The command `line-up-set`."""
+
+    key: Annotated[Name, Meta(description="of the chosen channel's adjustment, or grid")]
+    value: Annotated[Any, Meta(description="as in a theatre file; none: the default")] = None
+
+
+class ShowLineUpPattern(LineUpCommand, frozen=True, tag="line-up-show"):
+    """The command `line-up-show`."""
+
+    pattern: Annotated[
+        Literal["", "grid", "white", "grey", "black", "sea"],
+        Meta(description="grid, white, grey, black or sea; empty: the same"),
+    ] = ""
+    others: Annotated[
+        Literal["", "full", "dim", "black"],
+        Meta(description="other channels: full, dim or black; empty: the same"),
+    ] = ""
+
+
+class UndoLineUp(LineUpCommand, frozen=True, tag="line-up-undo"):
+    """The command `line-up-undo`."""
+
+
+class RedoLineUp(LineUpCommand, frozen=True, tag="line-up-redo"):
+    """The command `line-up-redo`."""
+
+
+class CompareLineUp(LineUpCommand, frozen=True, tag="line-up-compare"):
+    """The command `line-up-compare`."""
+
+    on: bool
+
+
+class SaveLineUp(LineUpCommand, frozen=True, tag="line-up-save"):
+    """The command `line-up-save`."""
+
+
 COMMANDS: dict[type[PresenterCommand], str] = {
     OpenScenario: "Open a scenario",
     StartTour: "Start a tour",
@@ -126,6 +196,15 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     SetVolume: "Set the volume",
     BlankScreens: "Make all screens black, or show the sea again",
     ShowLineUp: "Show the test pattern on all screens, or the sea again",
+    EditLineUp: "Begin to line up the projectors of a theatre, or return to its file and the sea",
+    ChooseLineUp: "Choose a channel of the theatre, and a corner or point of its picture",
+    MoveLineUp: "Move the chosen point",
+    SetLineUp: "Set a key of the chosen channel",
+    ShowLineUpPattern: "Show a pattern or the sea, and the other channels like it, dim or black",
+    UndoLineUp: "Take the last change of the line-up back",
+    RedoLineUp: "Make it again",
+    CompareLineUp: "Show what the theatre file has for comparison, or the changes again",
+    SaveLineUp: "Save the line-up into the theatre file, on all computers",
 }
 """The commands with their purposes, for clients and the reference."""
 NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}
@@ -141,6 +220,11 @@ def from_json(data: bytes) -> PresenterCommand:
     if not isinstance(name, str):
         raise UserError('expected {"command": NAME, KEY: VALUE…}')
     return _built(name, content)
+
+
+def to_json(command: PresenterCommand) -> bytes:
+    """Encode a command as `from_json` decodes it."""
+    return msgspec.json.encode(command)
 
 
 def from_words(name: str, values: Sequence[Any]) -> PresenterCommand | None:

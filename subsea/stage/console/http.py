@@ -1,8 +1,8 @@
 """The page and the HTTP interface of the console. The only module that speaks HTTP.
 
 Connections are accepted a few at a time, and ended if they do nothing. The words of the page are
-English and are translated for the browser that asks: those between {{ and }} in
-`assets/console/index.html`, and those that its script gives to `say`.
+English and are translated for the browser that asks: those between {{ and }} in the pages of
+`assets/console`, and those that their scripts give to `say`.
 """
 
 import asyncio
@@ -41,9 +41,12 @@ COOKIE = "subsea-console"
 MARKED = r"\{\{(.+?)\}\}"
 ASSETS = {
     "/console.css": ("console.css", "text/css"),
+    "/client.js": ("client.js", "text/javascript"),
     "/console.js": ("console.js", "text/javascript"),
+    "/line-up.js": ("line-up.js", "text/javascript"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
 }
+PAGES = {"/": "index.html", "/line-up": "line-up.html"}
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -55,7 +58,7 @@ HEADERS = {
     "Cache-Control": "no-store",
     "Server": "subsea",
 }
-OPEN = {"/", "/login", "/words", "/health", *ASSETS}  # paths that need no token
+OPEN = {*PAGES, "/login", "/words", "/health", *ASSETS}  # paths that need no token
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -93,7 +96,7 @@ class HttpConsole:
         self._names = {"localhost", socket.gethostname().lower(), *options.names}
         self._pages = {path: resource_path(f"assets/console/{name}").read_bytes()
                        for path, (name, _) in ASSETS.items()}  # fmt: skip
-        self._index = read_asset("index.html")
+        self._sources = {path: read_asset(name) for path, name in PAGES.items()}
         self._texts = script_words()
         self._jpeg, self._jpeg_number = b"", 0
         self.answered: dict[Any, float] = {}  # when each connection last had an answer
@@ -102,7 +105,8 @@ class HttpConsole:
     def runner(self) -> web.AppRunner:
         """The application, with bounds on lines, headers and bodies."""
         app = web.Application(client_max_size=MAX_BODY, middlewares=[self._guard])
-        app.router.add_get("/", self._page)
+        for path in PAGES:
+            app.router.add_get(path, self._page)
         for path in ASSETS:
             app.router.add_get(path, self._asset)
         app.router.add_get("/health", self._health)
@@ -183,7 +187,8 @@ class HttpConsole:
         return name in self._names
 
     async def _page(self, request: web.Request) -> web.Response:
-        page = filled(self._index, bool(self._options.token), language_of(request))
+        text = self._sources[request.path]
+        page = filled(text, bool(self._options.token), language_of(request))
         return web.Response(text=page, content_type="text/html")
 
     async def _asset(self, request: web.Request) -> web.Response:
@@ -282,13 +287,15 @@ def read_asset(name: str) -> str:
 
 
 def page_words() -> list[str]:
-    """List the texts of the page."""
-    return re.findall(MARKED, read_asset("index.html"))
+    """List the texts of the pages."""
+    return [text for name in PAGES.values() for text in re.findall(MARKED, read_asset(name))]
 
 
 def script_words() -> list[str]:
-    """List the texts of the script of the page."""
-    return re.findall(r'\bsay\("([^"]+)"', read_asset("console.js"))
+    """List the texts of the scripts of the pages."""
+    scripts = [name for name, kind in ASSETS.values() if kind == "text/javascript"]
+    found = [re.findall(r'\bsay\("([^"]+)"', read_asset(name)) for name in scripts]
+    return list(dict.fromkeys(text for texts in found for text in texts))
 
 
 def filled(text: str, token: bool = False, code: str = "en") -> str:
@@ -310,8 +317,8 @@ def same(given: str, known: str) -> bool:
 def is_own_origin(request: web.Request) -> bool:
     """False if a page of another site sent the request, as its browser says."""
     if request.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
-        # A link from elsewhere may open the page, but nothing else.
-        return request.method == "GET" and request.path == "/"
+        # A link from elsewhere may open a page, but nothing else.
+        return request.method == "GET" and request.path in PAGES
     origin = request.headers.get("Origin")
     return origin is None or origin.lower() == f"{request.scheme}://{request.host}".lower()
 

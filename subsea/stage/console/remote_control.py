@@ -29,6 +29,7 @@ from subsea.world.feeding import EVERY_S
 from subsea.world.step import cue_direction
 
 if TYPE_CHECKING:
+    from subsea.stage.line_up import TheatreLineUp
     from subsea.ui.dive import Dive
 
 STATE_S, PICTURE_S = 0.4, 0.25  # between two publications
@@ -86,11 +87,14 @@ class RemoteControl:
     """Applies commands of the board between two frames, and publishes the dive on it."""
 
     def __init__(
-        self, dive: "Dive", board: Board, server: ConsoleServer, show: ShowScreens | None = None
-    ) -> None:
-        """`server` serves the board; `show` is the one that the dive plays."""
+        self, dive: "Dive", board: Board, server: ConsoleServer, show: ShowScreens | None = None,
+        line_up: "TheatreLineUp | None" = None,
+    ) -> None:  # fmt: skip
+        """`server` serves the board; `show` and `line_up` are those of the dive."""
         self.presented = NOTHING  # over the picture
         self._dive, self._board, self._server, self._show = dive, board, server, show
+        self._line_up = line_up
+        self._rate = 0.0  # pictures a second
         self._presentation = Presentation()
         self._small = SmallPicture(dive.window_set.context, PICTURE_WIDTH)
         self._scenarios = _scenarios()
@@ -121,7 +125,8 @@ class RemoteControl:
         self._frames += 1
         now = time.monotonic()
         if now - self._state_s >= STATE_S:
-            self._publish(self._frames / (now - self._state_s))
+            self._rate = self._frames / (now - self._state_s)
+            self._publish(self._rate)
             self._frames, self._state_s = 0, now
         if ended := self._server.check():
             self._dive.faults.say(ended)
@@ -186,6 +191,12 @@ class RemoteControl:
             case commands.BlankScreens(on):
                 self._presentation.blank = on
                 return "the screens are blank" if on else "the screens show the sea"
+            case commands.LineUpCommand():
+                if self._line_up is None:
+                    raise UserError("no theatre to line up: begin the dive with --theatre FILE")
+                done = self._line_up.apply(command)
+                self._publish(self._rate)  # a technician waits for the new places
+                return done
             case commands.ShowLineUp(on):
                 self._presentation.pattern = on
                 if dive.picture.pattern != on:
@@ -337,6 +348,7 @@ class RemoteControl:
             "volume": 0.0 if sound.mute else sound.volume,
             "blank": self._presentation.blank,
             "line_up": picture.pattern,
+            "projectors": None if self._line_up is None else self._line_up.session.describe(),
             "nodes": ticks.nodes() if isinstance(ticks, LeaderTicks) else [],
             "several_computers": dive.shared,
             "loading": loading,
@@ -348,8 +360,9 @@ class RemoteControl:
 
 
 def open_console(
-    dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None
-) -> RemoteControl | None:
+    dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None,
+    line_up: "TheatreLineUp | None" = None,
+) -> RemoteControl | None:  # fmt: skip
     """Open the console of a dive; a fault, such as a port that is taken, is one line."""
     if not dive.tick_source.has_pilot:
         say("the console is on the master's computer, not on its nodes")
@@ -361,7 +374,7 @@ def open_console(
         dive.note(str(fault))
         return None
     say(f"the presenter's console: {options.url}")
-    return RemoteControl(dive, board, server, show)
+    return RemoteControl(dive, board, server, show, line_up)
 
 
 def _scenarios() -> list[dict[str, str]]:

@@ -15,8 +15,8 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.geometry.rotation import matrix
-from subsea.stage.theatre.measured_mesh import grid_triangles
 from subsea.view.camera import NEAR_CM, View, edge_tangents, look, off_axis
+from subsea.view.meshes import grid_triangles
 from subsea.view.rig import CameraPose, CameraRig, DisplayPatch, Eye, Projection, Rect, Warp
 
 CM_PER_M = 100.0

@@ -6,7 +6,7 @@ edges that lie within another one's picture.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -19,8 +19,8 @@ from subsea.base.errors import UserError, unknown
 from subsea.base.files import read_input
 from subsea.base.toml_files import error_at
 from subsea.stage.theatre import theatre_file
+from subsea.stage.theatre.adjusting import patch_adjustment, upright
 from subsea.stage.theatre.imported import ImportedTheatre
-from subsea.stage.theatre.measured_mesh import grid_triangles
 from subsea.stage.theatre.mesh_formats import read_warp
 from subsea.stage.theatre.mpcdi import MpcdiRegion, read_mpcdi
 from subsea.stage.theatre.mpcdi import mask as calibrated_mask
@@ -35,7 +35,8 @@ from subsea.stage.theatre.screens import (
     points_on,
     screen_of,
 )
-from subsea.stage.theatre.warp import continued, cropped, identity, rasterized, subdivided
+from subsea.stage.theatre.warp import continued, cropped, identity, rasterized
+from subsea.view.meshes import grid_triangles, subdivided
 from subsea.view.rig import Projection, Rect, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
 
@@ -55,16 +56,22 @@ class ProjectorChannel:
     window: int  # number of its window in the theatre
     place: Rect  # in its window, origin lower left
     distance_cm: float  # of its screen, or of the plane in which that lies, from the eyes
-    gamma: float
-    black: float
+    adjustment: theatre_file.Adjustment
     screen: Screen | None = None  # None for panoramas, domes and the like
     shape: Projection = Projection.FLAT
     surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
     warp: Warp | None = None  # from the picture to the screen
-    mask: Array | None = None  # (h, w, 4) as `rig.DisplayPatch` has it
+    own_mask: Array | None = None  # (h, w, 4) of its files, as `rig.DisplayPatch` has it
+    own_gamma: float | None = None  # the gamma that it was made for; None: it is for any
+    mask: Array | None = None  # with the blend
     blend: bool = False
     eye: str | None = None  # "left" or "right" of a projector for one eye
     key: str = ""  # of its table in the theatre file, such as channel[0]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of its picture in pixels, before it is turned."""
+        return upright(self.adjustment, self.place[2:])
 
 
 def usable_channels(
@@ -100,7 +107,7 @@ def usable_channels(
                 faults.append(error_at(path, key, f"{where}: {fault}"))
     if not usable:
         raise faults[0] if faults else UserError("no channel is left", file=path)
-    return tuple(_with_masks(usable)), tuple(faults)
+    return blended(usable), tuple(faults)
 
 
 def screen_mesh(lighted: ProjectorChannel) -> tuple[Array, Ints]:
@@ -148,13 +155,13 @@ def _file_channel(
     lighted = replace(lighted, blend=channel.blend, eye=channel.eye, key=key)
     if channel.warp is not None:
         made = theatre.meshes.get(channel.warp) if isinstance(theatre, ImportedTheatre) else None
-        warp, mask = made[:2] if made else read_warp(folder / channel.warp, (width, height))
-        lighted = replace(lighted, warp=warp, mask=mask)
+        warp, mask = made[:2] if made else read_warp(folder / channel.warp, lighted.size)
+        lighted = replace(lighted, warp=warp, own_mask=mask)
     if channel.part is not None and lighted.screen is None:
         lighted = replace(lighted, warp=cropped(lighted.warp or identity(), channel.part))
     if channel.mask is not None:
-        picture = _mask_picture(folder / channel.mask, (width, height))
-        lighted = replace(lighted, mask=_masked(lighted.mask, picture))
+        picture = _mask_picture(folder / channel.mask, lighted.size)
+        lighted = replace(lighted, own_mask=_masked(lighted.own_mask, picture))
     return lighted
 
 
@@ -190,11 +197,12 @@ def _mpcdi_channel(
         raise unknown("window", shown, names)
     number = names.index(shown)
     place = 0, 0, *theatre.window[number].size
+    adjustment = archive.adjust.get(region.name, theatre_file.adjustment_of(archive))
     if region.frustum is not None:
         view = theatre_file.Angles(**region.frustum._asdict())
         if (far := _screen_distance(theatre, archive)) is not None:
             view = msgspec.structs.replace(view, distance_cm=far)
-        lit = theatre_file.ScreenTable(angles=view, gamma=archive.gamma, black=archive.black)
+        lit = theatre_file.ScreenTable(angles=view)
         lighted = _channel_on(theatre, lit, region.name, number, place, None)
     elif not any(getattr(archive, kind) for kind in theatre_file.SCREENS):
         raise UserError(
@@ -207,8 +215,10 @@ def _mpcdi_channel(
         raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
     if lighted.screen is None:
         warp = cropped(warp or identity(), region.place)
-    seen = calibrated_mask(region, archive.gamma, place[2:])
-    return replace(lighted, warp=warp, mask=seen, key=key)
+    patch_adjustment(adjustment, upright(adjustment, place[2:]))  # raises a UserError if it folds
+    lighted = replace(lighted, adjustment=adjustment, warp=warp, key=key)
+    own_mask = calibrated_mask(region, adjustment.gamma, lighted.size)
+    return replace(lighted, own_mask=own_mask, own_gamma=adjustment.gamma)
 
 
 def _screen_distance(theatre: theatre_file.Theatre, archive: theatre_file.Archive) -> float | None:
@@ -231,9 +241,10 @@ def _channel_on(
     """The channel on the screen `lit`; `place` counts from the window's upper left corner."""
     x, y, width, height = place
     window: theatre_file.Window = theatre.window[number]
-    common = ProjectorChannel(
-        name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
-    )
+    adjustment = theatre_file.adjustment_of(lit)
+    patch_adjustment(adjustment, upright(adjustment, (width, height)))  # raises if it folds
+    corner = x, window.size[1] - y - height
+    common = ProjectorChannel(name, number, (*corner, width, height), 1.0, adjustment)
     if (wide := lit.panorama or lit.dome or lit.equirectangular) is not None:
         shape, surround = Projection.EQUIRECTANGULAR, ALL_ROUND
         if isinstance(wide, theatre_file.Panorama):
@@ -252,26 +263,47 @@ def _channel_on(
     return replace(common, screen=screen, distance_cm=distance_to(screen))
 
 
-def _with_masks(usable: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
-    """The channels, those to blend with their masks."""
-    together = [channel for channel in usable if channel.blend and channel.screen is not None]
-    lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
-    for channel in usable:
-        if not channel.blend or channel.screen is None or len(together) < 2:
-            yield channel
-            continue
-        size = max(channel.place[2] // COARSER, 1), max(channel.place[3] // COARSER, 1)
-        x, y = (np.arange(n) + 0.5 for n in size)
-        places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
-        if channel.warp is not None:
-            count = len(channel.warp.vertices)
-            columns = *channel.warp.vertices[:, 2:4].T.astype(np.float64), np.ones(count)
-            drawn = np.stack([rasterized(channel.warp, column, size) for column in columns], axis=2)
-            places = continued(drawn[..., :2], drawn[..., 2] > 0).reshape(-1, 2).clip(0.0, 1.0)
-        mask = blend_mask(lamps, together.index(channel), places).reshape(size[1], size[0], 4)
-        if channel.mask is not None:  # the mesh's own brightness
-            mask = mask * _resized(channel.mask, size)
-        yield replace(channel, mask=mask.astype(np.float32))
+def blended(channels: Sequence[ProjectorChannel]) -> tuple[ProjectorChannel, ...]:
+    """Give channels the masks of their files, and those to blend their shares of the light, too."""
+    lamps = {}
+    for k, one in enumerate(channels):
+        if one.blend and one.screen is not None:
+            light = one.adjustment
+            lamps[k] = Projector(one.screen, light.gamma, light.black, light.blend_width)
+    found = []
+    for k, channel in enumerate(channels):
+        mask = _own_mask(channel)
+        if k in lamps and len(lamps) > 1:
+            mask = _blend(channel, list(lamps.values()), list(lamps).index(k))
+        found.append(replace(channel, mask=mask))
+    return tuple(found)
+
+
+def _blend(channel: ProjectorChannel, lamps: Sequence["Projector"], number: int) -> Array:
+    """The mask (h, w, 4) of a channel that is the projector `number` of those that blend."""
+    size = max(channel.size[0] // COARSER, 1), max(channel.size[1] // COARSER, 1)
+    x, y = (np.arange(n) + 0.5 for n in size)
+    places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
+    if channel.warp is not None:
+        count = len(channel.warp.vertices)
+        columns = *channel.warp.vertices[:, 2:4].T.astype(np.float64), np.ones(count)
+        drawn = np.stack([rasterized(channel.warp, column, size) for column in columns], axis=2)
+        places = continued(drawn[..., :2], drawn[..., 2] > 0).reshape(-1, 2).clip(0.0, 1.0)
+    mask = blend_mask(lamps, number, places).reshape(size[1], size[0], 4)
+    own_mask = _own_mask(channel)
+    if own_mask is not None:  # the mesh's own brightness
+        mask = mask * _resized(own_mask, size)
+    return np.asarray(mask.astype(np.float32))
+
+
+def _own_mask(channel: ProjectorChannel) -> Array | None:
+    """The mask (h, w, 4) of a channel's files, for the gamma that the channel has now."""
+    mask, gamma = channel.own_mask, channel.adjustment.gamma
+    if mask is None or channel.own_gamma in (None, gamma):
+        return mask
+    lit = np.array(mask)
+    lit[..., :3] **= (channel.own_gamma or gamma) / gamma
+    return lit
 
 
 def _resized(mask: Array, size: tuple[int, int]) -> Array:
@@ -289,6 +321,7 @@ class Projector(NamedTuple):
     screen: Screen
     gamma: float
     black: float  # share of its white that it shines when dark
+    width: float = 1.0  # of its fades, over the usual width
 
 
 def light_shares(projectors: Sequence[Projector], number: int, places: Array) -> Array:
@@ -338,7 +371,8 @@ def _blend_weight(projectors: Sequence[Projector], number: int, places: Array) -
     edges = _blended_edges(projectors, number)
     for blended, inside in zip(edges, (s, 1 - s, t, 1 - t), strict=True):
         if blended:
-            weight *= np.square(np.clip(np.nan_to_num(inside), LEAST, 1.0))
+            # The steeper the weights, the narrower the fade from one projector to the next.
+            weight *= np.clip(np.nan_to_num(inside), LEAST, 1.0) ** (2.0 / projectors[number].width)
     return weight
 
 

@@ -16,9 +16,10 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.stage.theatre.measured_mesh import dome_shares, grid_triangles
+from subsea.stage.theatre.measured_mesh import dome_shares
 from subsea.stage.theatre.warp import mesh, rasterized
 from subsea.view.camera import axes_of
+from subsea.view.meshes import grid_triangles
 
 SPARE = 1.02  # a picture is larger than the part of the screen that it must light
 FAR = 1.5  # of nodes that are kept from the middle of a picture, in pictures

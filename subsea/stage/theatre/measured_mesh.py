@@ -98,13 +98,6 @@ class MeasuredMesh(NamedTuple):
     notes: tuple[str, ...] = ()  # a line for each thing that is left out
 
 
-def grid_triangles(columns: int, rows: int) -> Ints:
-    """Triangles (n, 3) of a grid of nodes, row after row."""
-    a = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    low = np.stack([a, a + 1, a + columns + 1], axis=1)
-    return np.concatenate([low, np.stack([a, a + columns + 1, a + columns], axis=1)])
-
-
 def strip_triangles(strip: Ints) -> Ints:
     """Triangles (n, 3) of a strip of indices, without those that turn a corner."""
     three = np.stack([strip[:-2], strip[1:-1], strip[2:]], axis=1)

@@ -20,7 +20,6 @@ from subsea.base.files import MIB, logical_lines, read_input, text_of
 from subsea.stage.theatre.measured_mesh import (
     MeasuredMesh,
     ViewAngles,
-    grid_triangles,
     node_mesh,
     numbers_of,
     quaternion_rotation,
@@ -31,6 +30,7 @@ from subsea.stage.theatre.measured_mesh import (
 from subsea.stage.theatre.pixel_files import parse_pfm
 from subsea.stage.theatre.vioso import parse_vioso
 from subsea.stage.theatre.warp import continued, from_grid, mesh, rasterized, validated
+from subsea.view.meshes import grid_triangles
 from subsea.view.rig import Warp
 
 Size = tuple[int, int]

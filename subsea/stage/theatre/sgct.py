@@ -20,7 +20,6 @@ from subsea.stage.theatre.measured_mesh import (
     ViewAngles,
     dome_shares,
     flipped,
-    grid_triangles,
     quaternion_rotation,
     turned,
     turns,
@@ -28,6 +27,7 @@ from subsea.stage.theatre.measured_mesh import (
 from subsea.stage.theatre.pixel_files import parse_pfm
 from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, MAIN, Window
 from subsea.stage.theatre.warp import mesh, validated
+from subsea.view.meshes import grid_triangles
 from subsea.view.rig import Rect
 
 SIZE = (640, 480)  # of a window without one

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
+from subsea.view.adjustment import MOST_EDGES
 from subsea.view.rig import Rect, overlap
 from subsea.view.surround import ALL_ROUND
 
@@ -30,6 +31,7 @@ def parse_address(address: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6A
 
 FOLDER = "assets/theatres"
 MOST_WINDOWS, MOST_LOUDSPEAKERS = 64, 32
+MOST_POINTS = 17  # a side of a grid of points
 MAIN = "main"  # the node of windows that name none
 
 FEWEST_PIXELS = 16  # a side of a window or of a part of one
@@ -43,6 +45,10 @@ Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
 Name = Annotated[str, msgspec.Meta(pattern=NAME)]
 # Not //HOST/FILE: Windows would show a stranger's computer who the user is.
 File = Annotated[str, msgspec.Meta(pattern=r"^(?![/\\]{2})")]
+Shift = Annotated[float, msgspec.Meta(ge=-16384, le=16384)]
+PixelPair = tuple[Shift, Shift]  # right, down
+PointRow = Annotated[list[PixelPair], msgspec.Meta(min_length=2, max_length=MOST_POINTS)]
+Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Extent = Annotated[float, msgspec.Meta(ge=-10, le=10)]
 Span = Annotated[float, msgspec.Meta(ge=0.001, le=10)]
 
@@ -107,8 +113,44 @@ class Equirectangular(_Table, frozen=True, kw_only=True):
 SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
 
 
-class ScreenTable(_Table, frozen=True, kw_only=True):
-    """Keys of channels and archives: one of six kinds of screen, and the light on it."""
+class Corners(_Table, frozen=True, kw_only=True):
+    """Shifts of the corners of a picture, pixels right and down."""
+
+    upper_left: PixelPair = (0.0, 0.0)
+    upper_right: PixelPair = (0.0, 0.0)
+    lower_left: PixelPair = (0.0, 0.0)
+    lower_right: PixelPair = (0.0, 0.0)
+
+
+class Adjustment(_Table, frozen=True, kw_only=True):
+    """Turn, shifts, mask and colours of a projector's picture, as line-up on the wall sets them.
+
+    Pixels count right and down in the picture as the audience sees it.
+    """
+
+    flip: Literal["horizontal", "vertical"] | None = None  # first; as for rear projection
+    rotate: Literal[0, 90, 180, 270] = 0  # then clockwise; 180: the projector hangs upside down
+    corners_px: Corners | None = None
+    # Further shifts of the points of a regular grid over the picture, the upper row first.
+    points_px: Annotated[
+        list[PointRow], msgspec.Meta(min_length=2, max_length=MOST_POINTS)
+    ] | None = None  # fmt: skip
+    # A polygon in pixels from the picture's upper left corner; it is dark outside.
+    edge_mask: Annotated[
+        list[PixelPair], msgspec.Meta(min_length=3, max_length=MOST_EDGES)
+    ] | None = None  # fmt: skip
+    edge_soft_px: Annotated[float, msgspec.Meta(ge=1, le=500)] = 2.0
+    gain: tuple[Share, Share, Share] = (1.0, 1.0, 1.0)  # factors on red, green and blue light
+    # Of the projector: light is the value that it gets to this power.
+    gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 2.2
+    # The share of its white that the projector shines when it should be dark.
+    black: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.0
+    # Of the fade across an overlap, over the usual width.
+    blend_width: Annotated[float, msgspec.Meta(ge=0.1, le=2)] = 1.0
+
+
+class ScreenTable(Adjustment, frozen=True, kw_only=True):
+    """Keys of channels and archives: one of six kinds of screen, and its adjustment."""
 
     plane: Plane | None = None
     cylinder: Cylinder | None = None
@@ -116,10 +158,6 @@ class ScreenTable(_Table, frozen=True, kw_only=True):
     panorama: Panorama | None = None
     dome: Dome | None = None
     equirectangular: Equirectangular | None = None
-    # Of the projector: light is the value that it gets to this power.
-    gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 2.2
-    # The share of its white that the projector shines when it should be dark.
-    black: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.0
 
     _needs_screen: ClassVar[bool] = True
 
@@ -169,6 +207,7 @@ class Archive(ScreenTable, frozen=True, kw_only=True):
     # Window of each region; None: the window of the same name.
     windows: dict[str, Name] | None = None
     buffer: str | None = None  # None: all of them
+    adjust: dict[str, Adjustment] = {}  # of single regions, instead of the archive's own keys
 
 
 class Cluster(_Table, frozen=True, kw_only=True):
@@ -243,6 +282,11 @@ class Theatre(_Table, frozen=True, kw_only=True):
 def viewport(channel: Channel, window: Window) -> Rect:
     """The rectangle of a channel in its window: x, y from the upper left, width, height."""
     return channel.viewport or (0, 0, *window.size)
+
+
+def adjustment_of(table: Adjustment) -> Adjustment:
+    """Take the adjustment out of a channel or an archive."""
+    return Adjustment(**{key: getattr(table, key) for key in Adjustment.__struct_fields__})
 
 
 def covers(window: Window, other: Window) -> str:

@@ -1,11 +1,13 @@
 """The rig of a theatre: one view for each channel and eye, and its patches on the windows."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
+from subsea.stage.theatre.adjusting import patch_adjustment
 from subsea.stage.theatre.channels import ProjectorChannel, screen_grid, screen_mesh
 from subsea.stage.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.stage.theatre.theatre_file import Theatre
@@ -62,8 +64,7 @@ def theatre_rig(
             rects = [inner(rect) for rect in rects]
         patch = DisplayPatch(
             channel.place, rects[0], rects[-1], shape=channel.shape, wide=channel.surround.wide,
-            mask=channel.mask, gamma=channel.gamma, output=windows.index(channel.window),
-            channel=number,
+            output=windows.index(channel.window), channel=number, **_light(channel),
         )  # fmt: skip
         if channel.shape in CUBES:
             patch = patch._replace(apart=half / channel.distance_cm, warp=channel.warp)
@@ -75,6 +76,26 @@ def theatre_rig(
         canvas, outputs, tuple(eyes), tuple(patches), theatre.level,
         vessel=_vessel(theatre, channels),
     )  # fmt: skip
+
+
+def readjusted(rig: CameraRig, channels: Sequence[ProjectorChannel]) -> CameraRig:
+    """The rig of `theatre_rig` with other adjustments and masks of its channels.
+
+    Pictures that are now turned on their side need a new rig instead.
+    """
+    lights = [_light(channel) for channel in channels]
+    return rig._replace(
+        patches=tuple(patch._replace(**lights[patch.channel]) for patch in rig.patches)
+    )
+
+
+def _light(channel: ProjectorChannel) -> dict[str, Any]:
+    """The fields of a patch that line-up changes."""
+    return {
+        "mask": channel.mask,
+        "gamma": channel.adjustment.gamma,
+        "adjustment": patch_adjustment(channel.adjustment, channel.size),
+    }
 
 
 def visible_channels(
@@ -162,9 +183,9 @@ def _pictures(channel: ProjectorChannel, display: str) -> list[tuple[int, int]]:
     """Pixels of a channel's pictures on the canvas, one for each eye, with their margins."""
     layout = None if display == "mono" else LAYOUTS[display]
     if channel.shape in CUBES:  # whose faces are never squeezed
-        face = face_size(DISPLAY_OF[channel.shape], channel.place[2:], channel.surround)
+        face = face_size(DISPLAY_OF[channel.shape], channel.size, channel.surround)
         return [(COLUMNS * face, ROWS * face)] * (1 if layout is None else 2)
-    width, height = channel.place[2:]
+    width, height = channel.size
     if channel.screen is not None and not isinstance(channel.screen, Flat):
         across, up = _finer_by(channel)
         width, height = round(across * width), round(up * height)
@@ -220,6 +241,6 @@ def _warp(channel: ProjectorChannel, offsets: Sequence[Array], frusta: Sequence[
 
 def _cube_eyes(channel: ProjectorChannel, rect: Rect, offset: Array) -> tuple[Eye, ...]:
     """The eyes of a channel with a surround projection."""
-    display, size = DISPLAY_OF[channel.shape], channel.place[2:]
+    display, size = DISPLAY_OF[channel.shape], channel.size
     shown = visible_parts(display, size, channel.surround, float(offset[0]) / channel.distance_cm)
     return cube(rect[:2], face_size(display, size, channel.surround), shown, offset)

@@ -11,6 +11,7 @@ import numpy as np
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.errors import UserError
 from subsea.kernels import kernel
+from subsea.view.meshes import areas, cut
 from subsea.view.rig import LEAST_AREA, Warp
 
 TOLERANCE_PX = 0.2  # largest error of a mesh at the points of its grid
@@ -90,19 +91,19 @@ def validated(warp: Warp, where: str) -> Warp:
         raise UserError(
             f"{bad} of {count} points of its mesh are nowhere near a picture", file=where
         )
-    areas = np.abs(_areas(vertices[:, :2], triangles))
-    lit = areas > LEAST_AREA
+    sizes = np.abs(areas(vertices[:, :2], triangles))
+    lit = sizes > LEAST_AREA
     if 2 * lit.sum() < len(lit):
         raise UserError(f"{(~lit).sum()} of {len(lit)} triangles have no area", file=where)
     vertices, triangles = _clipped(vertices, triangles[lit])
-    if np.abs(_areas(vertices[:, :2], triangles)).sum() < areas.sum() / 4:
+    if np.abs(areas(vertices[:, :2], triangles)).sum() < sizes.sum() / 4:
         out = ((points[:, 2:] < -SLACK) | (points[:, 2:] > 1 + SLACK)).any(axis=1)
         raise UserError(f"{out.sum()} of {count} points have u or v outside 0 to 1", file=where)
     on = vertices[triangles][..., :2]
     seen = ((on.max(axis=1) > 0) & (on.min(axis=1) < 1)).all(axis=1)
     if not seen.any():
         raise UserError(f"none of its {len(lit)} triangles lies on the projector", file=where)
-    places, sources = _areas(vertices[:, :2], triangles), _areas(vertices[:, 2:4], triangles)
+    places, sources = areas(vertices[:, :2], triangles), areas(vertices[:, 2:4], triangles)
     if np.abs(sources).sum() < _ONE_COLOUR:
         raise UserError("its u and v have no area, expected some of the picture", file=where)
     turn = np.sign(places) * np.sign(sources)
@@ -112,31 +113,16 @@ def validated(warp: Warp, where: str) -> Warp:
     return Warp(vertices, triangles)
 
 
-def subdivided(warp: Warp, across: int, up: int) -> Warp:
-    """The warp with triangles cut at columns and rows, small enough for a curved screen."""
-    vertices, triangles = warp
-    for column, pieces in ((2, across), (3, up)):
-        for k in range(1, pieces):
-            halves = []
-            for side in (1.0, -1.0):
-                depth = side * (vertices[:, column] - k / pieces)
-                vertices, half = _cut(vertices, triangles, depth)
-                halves.append(half[np.abs(_areas(vertices[:, :2], half)) > LEAST_AREA])
-            triangles = np.concatenate(halves)
-    used, numbers = np.unique(triangles, return_inverse=True)
-    return Warp(vertices[used], numbers.reshape(-1, 3).astype(np.int32))
-
-
 def is_mirrored(warp: Warp) -> bool:
     """True if the picture is mirrored, as no projector on a stand or ceiling does."""
-    places = _areas(warp.vertices[:, :2], warp.triangles)
-    shown = _areas(warp.vertices[:, 2:4], warp.triangles)
+    places = areas(warp.vertices[:, :2], warp.triangles)
+    shown = areas(warp.vertices[:, 2:4], warp.triangles)
     return bool(np.sum(np.sign(places) * shown) < 0)
 
 
 def describe_warp(warp: Warp) -> str:
     """Its size, the lit share of the projector, and whether it mirrors, for a message."""
-    lit = min(np.abs(_areas(warp.vertices[:, :2], warp.triangles)).sum(), 1.0)
+    lit = min(np.abs(areas(warp.vertices[:, :2], warp.triangles)).sum(), 1.0)
     mirrored = ", mirrored" if is_mirrored(warp) else ""
     count = len(warp.triangles)
     return f"a mesh of {count} triangle{'s' * (count != 1)}, {100 * lit:.0f}% lit{mirrored}"
@@ -260,13 +246,6 @@ def _rasterize(places: Array, triangles: Ints, values: Array, picture: Array) ->
                     )
 
 
-def _areas(points: Array, triangles: Ints) -> Array:
-    """Signed areas (m,) of triangles of points (n, 2)."""
-    a, b, c = np.moveaxis(points[triangles].astype(np.float64), 1, 0)
-    across, up = b - a, c - a
-    return np.asarray((across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]) / 2)
-
-
 def _clipped(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
     """The parts of triangles whose sources lie in 0 to 1, up to SLACK."""
     shown = vertices[:, 2:]
@@ -274,32 +253,7 @@ def _clipped(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
     vertices = vertices.copy()
     vertices[:, 2:] = np.where(near, np.clip(shown, 0.0, 1.0), shown)
     for column in range(2, 6):
-        vertices, triangles = _cut(vertices, triangles, vertices[:, column])
-        vertices, triangles = _cut(vertices, triangles, 1 - vertices[:, column])
+        vertices, triangles = cut(vertices, triangles, vertices[:, column])
+        vertices, triangles = cut(vertices, triangles, 1 - vertices[:, column])
     vertices[:, 2:] = np.clip(vertices[:, 2:], 0.0, 1.0)
     return vertices, triangles
-
-
-def _cut(vertices: Array, triangles: Ints, depth: Array) -> tuple[Array, Ints]:
-    """The parts of triangles where `depth` (n,) is not negative; a cut edge gets a vertex."""
-    inside = depth[triangles] >= 0
-    count = inside.sum(axis=1)
-    kept = [triangles[count == 3]]
-    for inner in (1, 2):
-        some, within = triangles[count == inner], inside[count == inner]
-        alone = np.argmax(within if inner == 1 else ~within, axis=1)
-        order = (alone[:, None] + np.arange(3)) % 3
-        a, b, c = np.take_along_axis(some, order, axis=1).T
-        new = []
-        for other in (b, c):
-            low, high = np.minimum(a, other), np.maximum(a, other)  # alike for both neighbours
-            share = (depth[low] / (depth[low] - depth[high]))[:, None]
-            new.append(len(vertices) + np.arange(len(a), dtype=np.int32))
-            cut = vertices[low] + share * (vertices[high] - vertices[low])
-            vertices = np.concatenate([vertices, cut.astype(np.float32)])
-        if inner == 1:
-            kept.append(np.stack([a, new[0], new[1]], axis=1))
-        else:
-            kept.append(np.stack([new[0], b, c], axis=1))
-            kept.append(np.stack([new[0], c, new[1]], axis=1))
-    return vertices, np.concatenate(kept).astype(np.int32)

@@ -37,7 +37,7 @@ class Node:
     """`subsea dive --node NAME` in its own process, and its output."""
 
     def __init__(self, folder, name, call, more=("--scenario", str(BARE))):
-        self._file = folder / f"{call}.told"
+        self.folder, self._file = folder, folder / f"{call}.told"
         command = [sys.executable, "-m", "subsea", "dive", "--theatre", str(folder / "hall.toml")]
         command += ["--node", name, *more, "--quality", "low"]
         if name == "middle":
@@ -115,6 +115,31 @@ def white_pixels(picture):
     return (picture.min(axis=2) > 200.0).sum()
 
 
+def lines_up_the_left_projector(presenter, file):
+    """Move a corner of the left node's picture from the master, undo it, do it again, and save."""
+
+    def ask(command, **values):
+        answer = presenter.ask("/api/commands", {"command": f"line-up-{command}", **values})
+        assert answer[0] == 200, answer
+
+    ask("edit", on=True)
+    ask("show", pattern="grid", others="full")
+    ask("choose", channel="left", point="lower_right")
+    until(lambda: patterned(windows()))
+    before = windows()
+    ask("move", right=-20.0, down=-15.0)
+    until(lambda: (windows()["left"] != before["left"]).mean() > 0.05)
+    assert all((windows()[name] == before[name]).all() for name in ("middle", "right"))
+    ask("undo")
+    until(lambda: all((windows()[name] == before[name]).all() for name in NODES))
+    ask("redo")
+    ask("save")
+    _, state, _ = presenter.ask("/api/state")
+    assert not state["projectors"]["unsaved"] and state["fault"] is None
+    assert "corners_px" in file.read_text() and file.with_name("hall.toml.bak").exists()
+    ask("edit", on=False)
+
+
 @pytest.mark.nightly  # every day test_lockstep.py restarts a node and resumes a dive
 def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall):
     nodes, start, console = hall
@@ -140,6 +165,9 @@ def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall):
     refused = {"command": "follow", "fish": "0"}
     assert presenter.ask("/api/commands", refused)[0] == 409
     assert presenter.ask("/api/commands", {"command": "line-up", "on": False})[0] == 200
+    until(lambda: all(sea(picture) for picture in windows().values()))
+
+    lines_up_the_left_projector(presenter, nodes["middle"].folder / "hall.toml")
     until(lambda: all(sea(picture) for picture in windows().values()))
 
     nodes["left"].process.kill()

@@ -26,6 +26,8 @@ from subsea.stage.cluster.messages import (
     WorldState,
     encode,
 )
+from subsea.stage.theatre.line_up import LineUpState
+from subsea.stage.theatre.theatre_file import Adjustment
 from subsea.world import snapshot
 
 
@@ -92,6 +94,59 @@ def test_what_a_presenter_shows_reaches_all(harness, seas):
     harness.master.presented = NOTHING
     assert_all_show_the_same(harness, left, right)
     assert left.node.presented == right.node.presented == NOTHING
+
+
+def test_a_line_up_reaches_all_with_its_picture_and_nodes_that_come_later(
+    harness, seas, monkeypatch
+):
+    monkeypatch.setattr("subsea.stage.cluster.master.LINE_UP_S", 0.05)
+    left = harness.node(seas[1], "left")
+    harness.show_until(lambda: harness.master.in_step() == ["left"])
+    heard = {}
+    take = left.node._make
+
+    def made(picture):
+        heard[picture.number] = picture.line_up
+        return take(picture)
+
+    left.node._make = made
+    assert left.node.line_up is None
+    for gamma in (2.0, 2.4):
+        state = LineUpState({"left": Adjustment(gamma=gamma)}, open=True, channel="left")
+        harness.master.line_up = state
+        harness.show_pictures()
+        assert heard[harness.master._number] == state  # in the very next picture
+        assert left.node.line_up == state
+    harness.show_pictures()
+    assert heard[harness.master._number] is None  # what has not changed is not sent again
+    right = harness.node(seas[2], "right")
+    harness.show_until(lambda: right.node.line_up == harness.master.line_up)
+    assert not told(harness, "differs")
+
+
+def test_nodes_report_and_ask(harness, seas):
+    left = harness.node(seas[1], "left")
+    harness.show_until(lambda: harness.master.in_step() == ["left"])
+    left.rest()
+    left.node.report("hall.toml: no space is left\x1b[2J")
+    left.node.ask(b'{"command": "line-up-undo"}')
+    left.asleep = False
+    harness.show_until(lambda: harness.master.reports and harness.master.asked)
+    assert [*harness.master.reports] == ["node left: hall.toml: no space is left?[2J"]
+    assert [*harness.master.asked] == [b'{"command": "line-up-undo"}']
+
+
+def test_a_saved_theatre_file_renews_what_nodes_must_have(harness, seas):
+    left = harness.node(seas[1], "left")
+    harness.show_until(lambda: harness.master.in_step() == ["left"])
+    harness.master.renew_view({"theatre files": "#new"})
+    right = harness.node(seas[2], "right")
+    harness.show_until(lambda: right.fault)
+    assert "theatre files" in right.fault
+    left.rest()
+    left.node.renew_view({"theatre files": "#new"})
+    left.asleep = False
+    harness.show_until(lambda: harness.master.in_step() == ["left"])
 
 
 def test_a_late_node_is_skipped_until_it_catches_up(make_harness, seas, address):

@@ -16,6 +16,8 @@ from subsea.stage.cluster.messages import (
     Diverged,
     Hello,
     Identity,
+    NodeReport,
+    NodeRequest,
     Picture,
     PictureDrawn,
     Refused,
@@ -29,6 +31,8 @@ from subsea.stage.cluster.messages import (
     picture_of,
     ticks_of,
 )
+from subsea.stage.theatre.line_up import LineUpState
+from subsea.stage.theatre.theatre_file import Adjustment, Corners
 from subsea.submarine.vessel import Helm
 
 IDENTITY = Identity("0.2.0", {"scenario": "Bucht, früh", "subsea/fish": "#f0"})
@@ -38,7 +42,15 @@ FROM_NODE = [
     PictureDrawn(12),
     Diverged(900),
     StatePart(9, 3, b"\x00bytes"),
+    NodeReport("hall.toml: no space is left"),
+    NodeRequest(b'{"command": "line-up-undo"}'),
 ]
+LINE_UP = LineUpState(
+    {"left": Adjustment(corners_px=Corners(upper_left=(1.5, -2.0)), gamma=2.4)},
+    open=True,
+    channel="left",
+    point="2,3",
+)
 FROM_MASTER = [
     WorldState("dive", 3, b"\x00bytes"),
     Picture(
@@ -50,6 +62,7 @@ FROM_MASTER = [
         "checksum",
         True,
         Presented(0.5, True, "Good evening", 1.0),
+        LINE_UP,
     ),
     Swap(4),
     Resume(3),
@@ -74,7 +87,14 @@ def test_a_picture_carries_input_and_rails():
     assert [*carried.position, *carried.velocity, *carried.angles] == [1.0] * 8
     assert carried.cut
     rebuilt = picture_of(
-        4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum", True, SHOWN
+        4,
+        77,
+        np.float32(0.5),
+        [carried, steered._replace(yaw=-7)],
+        "checksum",
+        True,
+        SHOWN,
+        LINE_UP,
     )
     assert rebuilt == FROM_MASTER[1]
 
@@ -115,7 +135,7 @@ def test_deeply_nested_messages_are_refused(opening):
 
 def test_another_protocol_is_refused():
     data = encode(PictureDrawn(1))
-    with pytest.raises(UserError, match=r"protocol 9, expected 6: .* version .* than \d"):
+    with pytest.raises(UserError, match=r"protocol 9, expected 7: .* version .* than \d"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 

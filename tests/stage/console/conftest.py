@@ -15,9 +15,16 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.stage.console.board import Board
-from subsea.stage.console.commands import BlankScreens, PresenterCommand, ShowCaption
+from subsea.stage.console.commands import (
+    BlankScreens,
+    LineUpCommand,
+    PresenterCommand,
+    ShowCaption,
+)
 from subsea.stage.console.options import ConsoleOptions, ListenAddress, console_options
 from subsea.stage.console.server import ConsoleServer
+from subsea.stage.line_up import apply_command
+from subsea.stage.theatre.line_up import Adjustments, LineUp
 
 TOKEN = "a-token-of-more-than-thirty-two-letters"
 STATE: dict[str, Any] = {
@@ -30,7 +37,7 @@ STATE: dict[str, Any] = {
     "volume": 0.6, "blank": False, "line_up": False, "several_computers": False,
     "nodes": [{"name": "left", "connected": True, "in_step": True, "last_ms": 1.25, "mean_ms": 2.0,
                "longest_ms": 9.0, "late": 0, "dropped": 0, "diverged": 0}],
-    "loading": False, "pictures_a_s": 59.9, "up_s": 100.0, "fault": None,
+    "projectors": None, "loading": False, "pictures_a_s": 59.9, "up_s": 100.0, "fault": None,
 }  # fmt: skip
 
 
@@ -47,6 +54,8 @@ class FakeDive:
     def __init__(self, board: Board) -> None:
         self.board, self.state = board, dict(STATE)
         self.taken: list[PresenterCommand] = []
+        self.line_up: LineUp | None = None  # of a theatre
+        self.saved: list[Adjustments] = []
         self.alive = True  # beats
         self.stops = False  # takes no commands
         self._ends = False
@@ -68,14 +77,24 @@ class FakeDive:
                 self.taken.append(command)
                 if isinstance(command, BlankScreens):
                     self.state["blank"] = command.on
-                if isinstance(command, ShowCaption) and command.text == "refuse":
-                    done.set_exception(UserError("the dive refuses"))
-                else:
-                    done.set_result("done")
+                try:
+                    done.set_result(self._apply(command))
+                except UserError as fault:
+                    done.set_exception(fault)
             if self.board.picture_wanted:
                 ramp = np.linspace(0, 255, 64 * 36 * 4).reshape(36, 64, 4)
                 self.board.show(ramp.astype(np.uint8))
             time.sleep(0.01)
+
+    def _apply(self, command: PresenterCommand) -> str:
+        if isinstance(command, ShowCaption) and command.text == "refuse":
+            raise UserError("the dive refuses")
+        if isinstance(command, LineUpCommand) and self.line_up is not None:
+            done = apply_command(self.line_up, command, self.saved.append)
+            self.state["projectors"] = self.line_up.describe()
+            self.board.state = msgspec.json.encode(self.state)
+            return done
+        return "done"
 
 
 class Client:

@@ -63,6 +63,27 @@ def test_the_light_changes_smoothly_across_an_overlap():
     assert np.abs(np.diff(share, 2)).max() < 0.002  # no edge that an eye could find
 
 
+@pytest.mark.parametrize("widths", [(0.5, 0.5, 0.5), (2.0, 2.0, 2.0), (0.3, 1.0, 1.7)])
+def test_fades_of_any_width_add_up_and_a_width_of_half_halves_the_fade(widths):
+    projectors = [one._replace(width=width) for one, width in zip(lamps(ROW), widths, strict=True)]
+    s = np.linspace(0.0, 1.0, 2001)
+    places = np.column_stack([s, np.full_like(s, 0.5)])
+    total = light_shares(projectors, 0, places)
+    points = points_on(ROW[0], places)
+    there = places_on(ROW[1], points)
+    seen = (there[:, 0] >= 0.0) & (there[:, 0] <= 1.0)
+    total[seen] += light_shares(projectors, 1, there[seen])
+    np.testing.assert_allclose(total, 1.0, atol=1e-6)
+
+    def span(factor):
+        share = light_shares([one._replace(width=factor) for one in lamps(ROW)], 0, places)
+        return np.interp(-0.1, -share[s > 0.8], s[s > 0.8]) - np.interp(
+            -0.9, -share[s > 0.8], s[s > 0.8]
+        )
+
+    assert span(0.5) == pytest.approx(span(1.0) / 2.0, rel=0.12)
+
+
 @pytest.mark.parametrize("gamma", [1.0, 2.2, 2.6])
 @pytest.mark.parametrize("level", [1.0, 0.6, 0.2])
 def test_luminance_is_the_same_all_over_within_two_percent(gamma, level):
@@ -120,7 +141,9 @@ def test_every_blended_edge_of_a_planned_theatre_falls_to_black(planned_channels
     """Outside of a mesh a coarse mask continues, as pixels at its edge are mixed with that."""
     size = 320, 240  # a mask of 80×60
     channels = planned_channels(kind, size)
-    projectors = [Projector(one.screen, one.gamma, one.black) for one in channels]
+    projectors = [
+        Projector(one.screen, one.adjustment.gamma, one.adjustment.black) for one in channels
+    ]
     for number, one in enumerate(channels):
         x, y = (np.arange(n) + 0.5 for n in size)
         places = np.stack(np.meshgrid(x / size[0], 1 - y / size[1]), axis=-1)

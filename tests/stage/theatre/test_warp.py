@@ -12,7 +12,6 @@ from subsea.stage.theatre.warp import (
     is_mirrored,
     mesh,
     rasterized,
-    subdivided,
     validated,
 )
 from subsea.view.rig import sources_at
@@ -119,18 +118,6 @@ def test_a_mesh_is_cut_where_it_leaves_the_picture():
     assert outside.sum() > 50
     np.testing.assert_allclose(found[inside], wanted[inside], atol=1e-5)
     assert np.isnan(found[outside]).all()
-
-
-@given(st.integers(1, 9), st.integers(1, 5), st.floats(-0.3, 0.3))
-def test_a_divided_mesh_shows_the_same_with_smaller_triangles(across, up, bend):
-    points = np.random.default_rng(6).uniform(0.01, 0.99, (40, 2))
-    for warp in (validated(mesh(SQUARE, SQUARE, TWO), "x"), woven(bend, 5, 4)):
-        fine = subdivided(warp, across, up)
-        np.testing.assert_allclose(sources_at(fine, points), sources_at(warp, points), atol=1e-5)
-        spans = np.ptp(fine.vertices[fine.triangles][..., 2:4], axis=1)
-        assert (spans <= [1 / across + 1e-6, 1 / up + 1e-6]).all()
-        for one, other in zip(subdivided(warp, 1, 1), warp, strict=True):
-            np.testing.assert_array_equal(one, other)
 
 
 def test_rounding_beyond_the_picture_is_moved_in():
