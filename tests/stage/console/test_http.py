@@ -17,8 +17,6 @@ from subsea.stage.console.commands import NAMES, ShowCaption, StartTour
 from subsea.stage.console.http import RateLimit, script_words
 from tests.stage.console.conftest import STATE, TOKEN
 
-PAGE_TEXT = resource_path("assets/console/index.html").read_text()
-
 
 def test_it_shows_the_state_and_a_picture(console):
     status, state, _ = console.ask("/api/state")
@@ -176,14 +174,21 @@ def test_every_answer_forbids_what_is_not_ours(console):
         assert "Python" not in headers["Server"] and "aiohttp" not in headers["Server"]
 
 
-def test_the_page_has_no_scripts_of_its_own_and_all_of_its_words():
-    page = http.filled(PAGE_TEXT)
-    assert not re.search(r"<script(?! src=)|\son\w+=|<style|style=|javascript:", page)
+@pytest.mark.parametrize("name", http.PAGES.values())
+def test_the_pages_have_no_scripts_of_their_own_and_all_of_their_words(name):
+    page = http.filled(http.read_asset(name))
+    scripts = r'<script(?! type="module" src=)|\son\w+=|<style|style=|javascript:'
+    assert not re.search(scripts, page)
     assert "{{" not in page and "http" not in page
     assert "@" not in page
-    script = resource_path("assets/console/console.js").read_text()
+
+
+@pytest.mark.parametrize("name", ["client.js", "console.js", "line-up.js"])
+def test_scripts_write_text_alone_and_every_text_is_marked(name):
+    script = resource_path(f"assets/console/{name}").read_text()
     assert not re.search(r"\beval\b|innerHTML|outerHTML|insertAdjacentHTML|document\.write", script)
-    assert script.count("say(") == len(script_words())  # every text is marked
+    said = re.findall(r'\bsay\(("[^"]+")?', script)
+    assert "" not in said and {text[1:-1] for text in said} <= {*script_words()}
 
 
 @pytest.mark.parametrize(
