@@ -30,7 +30,6 @@ from subsea.dive.directed_camera import (
     tour_steering,
 )
 from subsea.dive.start import headless, picture_maker, ready_world
-from subsea.dive.tour import Steer
 from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
 from subsea.media.exposure import PINHOLE, Exposure, MeanPictures
