@@ -273,12 +273,15 @@ def _eased(own: Array, known: Array, times: Array, back: Array) -> tuple[Array, 
     path = way + shift * far + share * (lead - way - shift * far)
     meant = (1.0 - share) * _velocity(way, rate) + share * _velocity(lead, rate)
     eased = np.linalg.norm(_velocity(path, rate) - meant, axis=1)
-    same = np.where((turned * own[:, ORIENTATION]).sum(axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-    facing = (1.0 - share) * own[:, ORIENTATION] + share * same * turned
-    facing /= np.linalg.norm(facing, axis=1, keepdims=True)
+    facing = _slerp(own[:, ORIENTATION], turned, share)
+    # What it swims in its own axes can be mixed even if both ways are opposite.
+    ahead = (1.0 - share) * _in_body(own[:, ORIENTATION], _velocity(way, rate))
+    ahead += share * _in_body(turned, _velocity(lead, rate))
+    axes = matrix(facing)
+    along = (axes @ ahead[:, :, None])[..., 0]
     out = own.copy()
     out[:, POSITION] = path
-    out[:, ORIENTATION] = from_matrix(_turning(meant, _velocity(path, rate)) @ matrix(facing))
+    out[:, ORIENTATION] = from_matrix(_turning(along, _velocity(path, rate)) @ axes)
     return out, float(eased.max())
 
 
@@ -308,6 +311,20 @@ def _pose(row: Array, poses: Array) -> Array:
     """Mix the two poses of an instance."""
     a, b = poses[int(row[ROW_A])], poses[int(row[ROW_B])]
     return np.asarray(a + row[WEIGHT] * (b - a))
+
+
+def _slerp(one: Array, other: Array, share: Array) -> Array:
+    """Mix rotations (S, 4) by shares (S, 1), at an even rate on the shorter way."""
+    dot = (one * other).sum(axis=1, keepdims=True)
+    other = np.where(dot < 0.0, -other, other)
+    angle = np.arccos(np.clip(np.abs(dot), 0.0, 1.0 - 1e-9))
+    mixed = np.sin((1.0 - share) * angle) * one + np.sin(share * angle) * other
+    return np.asarray(mixed / np.linalg.norm(mixed, axis=1, keepdims=True))
+
+
+def _in_body(turns: Array, ways: Array) -> Array:
+    """Turn ways (S, 3) of the world into the axes of bodies with rotations (S, 4)."""
+    return np.asarray((ways[:, None] @ matrix(turns))[:, 0])
 
 
 def _velocity(places: Array, rate: float) -> Array:
