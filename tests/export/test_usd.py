@@ -97,7 +97,7 @@ def test_the_stage_is_sound(name: str, prim: str, tmp_path: Path) -> None:
     stage = written(tmp_path, model, clips, baked=False)
     assert not problems(stage)
     layers, assets, missing = UsdUtils.ComputeAllDependencies(stage.GetRootLayer().identifier)
-    assert len(layers) == len(assets) == 1 and not missing  # the sheet
+    assert (len(layers), len(assets)) == (1, 2) and not missing  # colours and scales
     assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
     assert stage.GetTimeCodesPerSecond() == pytest.approx(clips[0].fps)
