@@ -108,7 +108,7 @@ def homing(lead: Lead, arrival_s: float) -> Callable[[World], TeleopCommands]:
             aim = gate - WIDE * far[:, None] * _unit(later - gate)
             length = 0.5 * (np.linalg.norm(aim - place, axis=1) + (1.0 + WIDE) * far)
             usual = np.linalg.norm(later - gate, axis=1) / 0.3
-            # Who is early dawdles at first, so that all come to the gate at their usual speed.
+            # An early fish dawdles at first, so that all come to the gate at their usual speed.
             late = length / np.maximum(usual * EARLY * (left - GATE_S), 1.0)
             speed = usual * late * np.minimum(late, 1.0)
         else:
@@ -267,14 +267,14 @@ def _eased(own: Array, known: Array, times: Array, back: Array) -> tuple[Array, 
     turned = np.array([_turn_before(known[:, ORIENTATION], times, left) for left in back])
     share = smoothstep(-back, -EASE_S, 0.0)[:, None]
     way = own[:, POSITION]
-    # Whoever would come late or beside its lead-in is moved a little all the way home.
+    # A fish that would come late or beside its lead-in is moved a little all the way home.
     far = (lead - way)[back <= EASE_S].mean(axis=0)
     shift = smoothstep(-back, -float(back[0]), -0.5 * EASE_S)[:, None]
     path = way + shift * far + share * (lead - way - shift * far)
     meant = (1.0 - share) * _velocity(way, rate) + share * _velocity(lead, rate)
     eased = np.linalg.norm(_velocity(path, rate) - meant, axis=1)
     facing = _slerp(own[:, ORIENTATION], turned, share)
-    # What it swims in its own axes can be mixed even if both ways are opposite.
+    # In the axes of its body its ways can be mixed even if they are opposite in the world.
     ahead = (1.0 - share) * _in_body(own[:, ORIENTATION], _velocity(way, rate))
     ahead += share * _in_body(turned, _velocity(lead, rate))
     axes = matrix(facing)
