@@ -1,7 +1,7 @@
 """Close a recorded scene to a loop: the fishes swim back to where it began.
 
 After the last frame the dive goes on, and every fish is steered onto its lead-in: the way on which
-it came to its first frame. What was before the dive began is a mirror of what followed. In the last
+it came to its first frame. The time before the dive mirrors what followed. In the last
 seconds each fish eases from its own way to the lead-in, in place, attitude and pose. It is turned
 with the way that results, so it slips no more than in the dive. The last frame is the first one.
 """
@@ -32,13 +32,13 @@ from subsea.world.world import TICK_S, World
 
 SHORTEST_S = 1.0  # of a scene that can be closed
 GATE_S = 6.0  # of the lead-in, from its gate to the first frame
-AHEAD_S = 0.7  # on the lead-in a fish aims at where it should be so much later
+AHEAD_S = 0.7  # on the lead-in a fish aims at its place that much later
 EASE_S = 5.5  # in which a fish eases to its lead-in ...
 POSE_S = 0.8  # ... and its pose to that of the first frame
 SLOWEST, FASTEST = 0.08, 0.95  # commanded speeds, shares of the fish's fastest
 BRISK = 0.7  # on the way home
 EARLY = 0.92  # share of the time to the gate in which a fish plans to come there
-WIDE = 0.6  # share of the distance to the gate: so far before it a fish aims, to meet its course
+WIDE = 0.6  # share of the distance to the gate: a fish aims that far before it, to meet its course
 DETOUR = 1.6  # length of the way home over the distance
 LEAST_S, MOST_S = 12.0, 32.0  # of the way home
 TURN_S = 4.0  # for turning round
@@ -56,7 +56,7 @@ class Lead(NamedTuple):
     times: Array  # (T,) seconds from the first frame of the film, rising from 0 or less
 
     def before(self, seconds: float) -> Array:
-        """Return the values so many seconds before the film."""
+        """Return the values at a number of seconds before the film."""
         return self.at(-seconds)
 
     def at(self, t: float) -> Array:
@@ -180,7 +180,7 @@ def close(
 
 
 def _pose_before(known: Array, begin: int, frames: int, poses: Array) -> Array:
-    """Return the pose of a fish so many frames before the film, which begins at row `begin`."""
+    """Return the pose of a fish some frames before the film, which begins at row `begin`."""
     at = begin - frames
     if at >= 0:
         return _pose(known[at], poses)
@@ -189,7 +189,7 @@ def _pose_before(known: Array, begin: int, frames: int, poses: Array) -> Array:
 
 
 def camera_home(camera: SceneCamera, steps: int, rate: float) -> SceneCamera:
-    """Let the camera go back on its own way in so many frames, to where it began.
+    """Let the camera go back on its own way, in `steps` frames, to where it began.
 
     After a cut it cuts back and waits.
     """
@@ -286,7 +286,7 @@ def _eased(own: Array, known: Array, times: Array, back: Array) -> tuple[Array, 
 
 
 def _turn_before(turns: Array, times: Array, seconds: float) -> Array:
-    """Return the attitude of a fish so many seconds before the film, as `Lead` its place."""
+    """Return the attitude of a fish some seconds before the film, as `Lead` its place."""
     mirrored = 2.0 * times[0] + seconds
     at = int(np.abs(times - max(-seconds, mirrored)).argmin())
     return turns[at] if -seconds >= times[0] else mirrored_turn(turns[0], turns[at])

@@ -101,7 +101,7 @@ def test_no_fish_jumps_or_slips_at_the_seam(closed: Scene) -> None:
         found[name] = [
             np.abs(values).max() for values in (speed[1:-1], change[1:-1], slip[1:-1], turned)
         ]
-    # In its run-up, which is no part of the rest, a clownfish turns sharply.
+    # A clownfish turns sharply in its run-up, which the rest does not hold.
     limit = np.array([1.3, 1.3, 1.3, 2.2]) * found["rest"]
     assert (np.array(found["seam"]) < limit).all(), found
 
