@@ -9,15 +9,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.export import gltf
+from subsea.export import QUANTISED, gltf
 from subsea.export.conventions import METRES, WORLD_Y_UP, to_metres
-from subsea.export.glb import FULL_SHORT, INDICES, VERTICES, PositionGrid, Stored
+from subsea.export.glb import FULL_SHORT, INDICES, VERTICES, Packing, PositionGrid, Stored
 from subsea.export.plant_motion import PlantMotion
 from subsea.export.scene import SceneMesh
 from subsea.geometry.rotation import from_matrix
 
 ROUGH = 0.9  # of what is not wet skin
 SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its own vertices
+SMALL = Packing(QUANTISED)  # bytes for weights, which need no extension
 STEP_M = 1e-4  # what the place of a joint may be off when it is compressed
 SWAY = "_SWAY"  # attribute: how far a vertex sways with the water, in the unit of its position
 
@@ -74,7 +75,7 @@ def _add_bending(
     matrices = buffer.add((bind @ grid.matrix).astype(np.float32))
     file.skins.append({"inverseBindMatrices": matrices, "joints": joints})
     four = ((0, 0), (0, 2))
-    weights = pack.weights(np.pad(motion.weights, four).astype(np.float32))
+    weights = SMALL.weights(np.pad(motion.weights, four).astype(np.float32))
     followed = np.where(weights.values > 0, np.pad(motion.joints, four), 0)
     more = {
         "JOINTS_0": buffer.add(followed.astype(np.uint8), VERTICES),

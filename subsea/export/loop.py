@@ -1,7 +1,7 @@
 """Close a recorded scene to a loop: the fishes swim back to where it began.
 
 After the last frame the dive goes on, and every fish is steered onto its lead-in: the way on which
-it came to its first frame. What was before the dive began is a mirror of what followed. In the last
+it came to its first frame. The time before the dive mirrors what followed. In the last
 seconds each fish eases from its own way to the lead-in, in place, attitude and pose. It is turned
 with the way that results, so it slips no more than in the dive. The last frame is the first one.
 """
@@ -32,13 +32,13 @@ from subsea.world.world import TICK_S, World
 
 SHORTEST_S = 1.0  # of a scene that can be closed
 GATE_S = 6.0  # of the lead-in, from its gate to the first frame
-AHEAD_S = 0.7  # on the lead-in a fish aims at where it should be so much later
+AHEAD_S = 0.7  # on the lead-in a fish aims at its place that much later
 EASE_S = 5.5  # in which a fish eases to its lead-in ...
 POSE_S = 0.8  # ... and its pose to that of the first frame
 SLOWEST, FASTEST = 0.08, 0.95  # commanded speeds, shares of the fish's fastest
 BRISK = 0.7  # on the way home
 EARLY = 0.92  # share of the time to the gate in which a fish plans to come there
-WIDE = 0.6  # share of the distance to the gate: so far before it a fish aims, to meet its course
+WIDE = 0.6  # share of the distance to the gate: a fish aims that far before it, to meet its course
 DETOUR = 1.6  # length of the way home over the distance
 LEAST_S, MOST_S = 12.0, 32.0  # of the way home
 TURN_S = 4.0  # for turning round
@@ -56,7 +56,7 @@ class Lead(NamedTuple):
     times: Array  # (T,) seconds from the first frame of the film, rising from 0 or less
 
     def before(self, seconds: float) -> Array:
-        """Return the values so many seconds before the film."""
+        """Return the values at a number of seconds before the film."""
         return self.at(-seconds)
 
     def at(self, t: float) -> Array:
@@ -108,7 +108,7 @@ def homing(lead: Lead, arrival_s: float) -> Callable[[World], TeleopCommands]:
             aim = gate - WIDE * far[:, None] * _unit(later - gate)
             length = 0.5 * (np.linalg.norm(aim - place, axis=1) + (1.0 + WIDE) * far)
             usual = np.linalg.norm(later - gate, axis=1) / 0.3
-            # Who is early dawdles at first, so that all come to the gate at their usual speed.
+            # An early fish dawdles at first, so that all come to the gate at their usual speed.
             late = length / np.maximum(usual * EARLY * (left - GATE_S), 1.0)
             speed = usual * late * np.minimum(late, 1.0)
         else:
@@ -180,7 +180,7 @@ def close(
 
 
 def _pose_before(known: Array, begin: int, frames: int, poses: Array) -> Array:
-    """Return the pose of a fish so many frames before the film, which begins at row `begin`."""
+    """Return the pose of a fish some frames before the film, which begins at row `begin`."""
     at = begin - frames
     if at >= 0:
         return _pose(known[at], poses)
@@ -189,7 +189,7 @@ def _pose_before(known: Array, begin: int, frames: int, poses: Array) -> Array:
 
 
 def camera_home(camera: SceneCamera, steps: int, rate: float) -> SceneCamera:
-    """Let the camera go back on its own way in so many frames, to where it began.
+    """Let the camera go back on its own way, in `steps` frames, to where it began.
 
     After a cut it cuts back and waits.
     """
@@ -267,23 +267,26 @@ def _eased(own: Array, known: Array, times: Array, back: Array) -> tuple[Array, 
     turned = np.array([_turn_before(known[:, ORIENTATION], times, left) for left in back])
     share = smoothstep(-back, -EASE_S, 0.0)[:, None]
     way = own[:, POSITION]
-    # Whoever would come late or beside its lead-in is moved a little all the way home.
+    # A fish that would come late or beside its lead-in is moved a little all the way home.
     far = (lead - way)[back <= EASE_S].mean(axis=0)
     shift = smoothstep(-back, -float(back[0]), -0.5 * EASE_S)[:, None]
     path = way + shift * far + share * (lead - way - shift * far)
     meant = (1.0 - share) * _velocity(way, rate) + share * _velocity(lead, rate)
     eased = np.linalg.norm(_velocity(path, rate) - meant, axis=1)
-    same = np.where((turned * own[:, ORIENTATION]).sum(axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-    facing = (1.0 - share) * own[:, ORIENTATION] + share * same * turned
-    facing /= np.linalg.norm(facing, axis=1, keepdims=True)
+    facing = _slerp(own[:, ORIENTATION], turned, share)
+    # In the axes of its body its ways can be mixed even if they are opposite in the world.
+    ahead = (1.0 - share) * _in_body(own[:, ORIENTATION], _velocity(way, rate))
+    ahead += share * _in_body(turned, _velocity(lead, rate))
+    axes = matrix(facing)
+    along = (axes @ ahead[:, :, None])[..., 0]
     out = own.copy()
     out[:, POSITION] = path
-    out[:, ORIENTATION] = from_matrix(_turning(meant, _velocity(path, rate)) @ matrix(facing))
+    out[:, ORIENTATION] = from_matrix(_turning(along, _velocity(path, rate)) @ axes)
     return out, float(eased.max())
 
 
 def _turn_before(turns: Array, times: Array, seconds: float) -> Array:
-    """Return the attitude of a fish so many seconds before the film, as `Lead` its place."""
+    """Return the attitude of a fish some seconds before the film, as `Lead` its place."""
     mirrored = 2.0 * times[0] + seconds
     at = int(np.abs(times - max(-seconds, mirrored)).argmin())
     return turns[at] if -seconds >= times[0] else mirrored_turn(turns[0], turns[at])
@@ -308,6 +311,20 @@ def _pose(row: Array, poses: Array) -> Array:
     """Mix the two poses of an instance."""
     a, b = poses[int(row[ROW_A])], poses[int(row[ROW_B])]
     return np.asarray(a + row[WEIGHT] * (b - a))
+
+
+def _slerp(one: Array, other: Array, share: Array) -> Array:
+    """Mix rotations (S, 4) by shares (S, 1), at an even rate on the shorter way."""
+    dot = (one * other).sum(axis=1, keepdims=True)
+    other = np.where(dot < 0.0, -other, other)
+    angle = np.arccos(np.clip(np.abs(dot), 0.0, 1.0 - 1e-9))
+    mixed = np.sin((1.0 - share) * angle) * one + np.sin(share * angle) * other
+    return np.asarray(mixed / np.linalg.norm(mixed, axis=1, keepdims=True))
+
+
+def _in_body(turns: Array, ways: Array) -> Array:
+    """Turn ways (S, 3) of the world into the axes of bodies with rotations (S, 4)."""
+    return np.asarray((ways[:, None] @ matrix(turns))[:, 0])
 
 
 def _velocity(places: Array, rate: float) -> Array:

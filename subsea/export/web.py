@@ -95,7 +95,7 @@ POLICY = (
     "default-src 'none'; script-src 'self' '{digest}'; style-src 'self'; img-src 'self' blob:; "
     "connect-src 'self' blob:; base-uri 'none'; form-action 'none'"
 )
-RELIEF_SEED = 5  # of the relief of stone, as in the dive
+CAUSTICS_SEED, RELIEF_SEED = 1, 5  # of dancing light and the relief of stone, as in the dive
 PAGE_BYTES = 3_000_000  # of the page and three.js
 GRADE = "u_gain", "u_contrast", "u_saturation"  # uniforms of `shaders/curve.glsl`
 STEP_CM, DEPTH_CM = 50.0, 5000.0  # of the table of the eye's light
@@ -142,7 +142,7 @@ def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     files["index.html"] = _index(scene).encode()
     files["water.glsl"] = water_code().encode()
     files["shafts.glsl"] = _plain(source("shafts.frag", PAGE=1)).encode()
-    files["caustics.bin"] = near_and_far(0).astype("<f2").tobytes()
+    files["caustics.bin"] = near_and_far(CAUSTICS_SEED).astype("<f2").tobytes()
     files["relief.bin"] = roughness(RELIEF_SEED).tobytes()
     with ExitStack() as stack:
         glb = stack.enter_context(replacing(out / SCENE))

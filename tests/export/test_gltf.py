@@ -131,7 +131,8 @@ def test_levels_are_other_meshes_on_the_same_joints(
         [part["material"] for part in content["meshes"][content["nodes"][k]["mesh"]]["primitives"]]
         for k in (first, second)
     ]
-    assert set(looks[1]) <= set(looks[0]) and len(content["images"]) == 2  # colours and metal
+    assert set(looks[1]) <= set(looks[0])
+    assert len(content["images"]) == 3  # colours, metal and scales
 
 
 def test_morph_targets_are_exact(fitted: Exported, files: tuple[Path, Path]) -> None:

@@ -88,10 +88,10 @@ def seconds_about_the_seam(closed: Scene, seconds: float) -> np.ndarray:
 
 
 def test_no_fish_jumps_or_slips_at_the_seam(closed: Scene) -> None:
-    """Beside the film itself: speed, its change, slip across the body, and turns."""
-    film, seam = np.arange(closed.filmed), seconds_about_the_seam(closed, EASE_S)
-    found = {}
-    for name, frames in (("film", film), ("seam", seam)):
+    """Beside the rest of the scene: speed, its change, slip across the body, and turns."""
+    seam = seconds_about_the_seam(closed, EASE_S)
+    rest, found = np.arange(seam[0]), {}
+    for name, frames in (("rest", rest), ("seam", seam)):
         place = closed.position[frames]
         speed = np.gradient(place, axis=0) * closed.fps
         axes = matrix(closed.rotation[frames])
@@ -101,7 +101,9 @@ def test_no_fish_jumps_or_slips_at_the_seam(closed: Scene) -> None:
         found[name] = [
             np.abs(values).max() for values in (speed[1:-1], change[1:-1], slip[1:-1], turned)
         ]
-    assert (np.array(found["seam"]) < 1.6 * np.array(found["film"])).all(), found
+    # A clownfish turns sharply in its run-up, which the rest does not hold.
+    limit = np.array([1.3, 1.3, 1.3, 2.2]) * found["rest"]
+    assert (np.array(found["seam"]) < limit).all(), found
 
 
 def test_tails_beat_on_through_the_seam(closed: Scene) -> None:
@@ -110,7 +112,7 @@ def test_tails_beat_on_through_the_seam(closed: Scene) -> None:
         points = closed.points(fish)[0]
         step = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
         late = step[-round(EASE_S * closed.fps) :]
-        assert late.max() < 1.5 * step[: closed.filmed].max()
+        assert late.max() < 1.5 * step[: -len(late)].max()
         assert late[-3:].max() > 0.0
 
 

@@ -20,7 +20,7 @@ from tests.support.daily import only
 
 
 def written(folder: Path, model: Model, clips: list[Clip], baked: bool) -> Usd.Stage:
-    file, sheet = write_usd(folder, model, clips, baked)
+    file, sheet, *_ = write_usd(folder, model, clips, baked)
     assert file.is_file() and sheet.is_file()
     return Usd.Stage.Open(str(file))
 
@@ -97,7 +97,7 @@ def test_the_stage_is_sound(name: str, prim: str, tmp_path: Path) -> None:
     stage = written(tmp_path, model, clips, baked=False)
     assert not problems(stage)
     layers, assets, missing = UsdUtils.ComputeAllDependencies(stage.GetRootLayer().identifier)
-    assert len(layers) == len(assets) == 1 and not missing  # the sheet
+    assert (len(layers), len(assets)) == (1, 2) and not missing  # colours and scales
     assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
     assert stage.GetTimeCodesPerSecond() == pytest.approx(clips[0].fps)
@@ -113,7 +113,7 @@ def test_a_skeleton_moves_the_mesh_as_playback_does(baked: bool, tmp_path: Path)
     chosen = [clip for clip in clips if clip.name in ("swim_slow", "turn_left_sharp")]
     rig = fit_skeleton(model, all_points(chosen))
     exact = write_usd(tmp_path / "exact", model, chosen, baked)[0].stat().st_size
-    file, _ = write_usd(tmp_path, model, chosen, baked, partial(add_skinned, rig=rig))
+    file, *_ = write_usd(tmp_path, model, chosen, baked, partial(add_skinned, rig=rig))
     assert file.stat().st_size < 0.3 * exact
     stage = Usd.Stage.Open(str(file))
     assert not problems(stage)
