@@ -19,6 +19,7 @@ EXTRAS = {
     "plot": {"matplotlib": "matplotlib"},
     "skin": {"cv2": "OpenCV"},
     "usd": {"pxr": "usd-core"},
+    "exr": {"OpenEXR": "openexr"},
     "meshopt": {"meshopt": "meshopt"},
     "cluster": {"distributed": "Dask"},
     "sweep": {"pyarrow": "PyArrow"},
@@ -40,6 +41,7 @@ LIBRARY_SETTINGS = "LD_PRELOAD", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "PYTHON
 # Installed by `make bench`.
 BENCH = (
     "console",
+    "exr",
     "headset",
     "learn",
     "meshopt",
