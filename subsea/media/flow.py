@@ -41,7 +41,7 @@ def moment_of(world: World, matrix: Array, alpha: float) -> FlowMoment:
 
 
 class SeenMaps(NamedTuple):
-    """What a camera sees, without a picture."""
+    """The identities and depths that a camera sees."""
 
     optics: Optics
     matrix: Array  # (4, 4) from the world to the axes of the camera
@@ -186,7 +186,7 @@ def body_flow(
     """Compute the motion (h, w, 2), pixels to the right and down, to each of two other moments.
 
     `moved` is that of a `Coverage`, `who` (n,) are the numbers of the bodies of the moments. All
-    that is no fish is taken to stand still. NaN behind the camera.
+    but fishes are taken to stand still. NaN behind the camera.
     """
     optics, identity, depth = seen.optics, seen.identity, seen.depth
     row, column = np.nonzero(identity >= VALUES["fish"])

@@ -191,7 +191,7 @@ def _channels(layer: str, names: str, values: Array) -> dict[str, Array]:
 
 
 def mattes(world: World) -> tuple[Matte, ...]:
-    """The mattes of a world: each fish, each species, and each thing that is no fish.
+    """The mattes of a world: each fish, each species, and each other thing.
 
     Fishes have the names that `--follow` takes, such as ``clownfish:0``.
     """
