@@ -5,5 +5,6 @@ uniform float u_share;
 out vec4 f_colour;
 
 void main() {
-    f_colour = u_share * texelFetch(u_picture, ivec2(gl_FragCoord.xy), 0);
+    // A triangle seen edge-on may give less than no light, which would darken all pictures of the sum.
+    f_colour = u_share * max(texelFetch(u_picture, ivec2(gl_FragCoord.xy), 0), 0.0);
 }

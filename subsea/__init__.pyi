@@ -3,8 +3,6 @@ from subsea.behavior.teleop import TeleopCommand as TeleopCommand
 from subsea.behavior.teleop import TeleopCommands as TeleopCommands
 from subsea.lab.dataset.labelling import Labels as Labels
 from subsea.lab.dataset.labelling import labels as labels
-from subsea.lab.dataset.optics import CameraLens as CameraLens
-from subsea.lab.dataset.optics import FlatPort as FlatPort
 from subsea.lab.designs import latin_hypercube as latin_hypercube
 from subsea.lab.designs import sobol as sobol
 from subsea.lab.environments import predator_prey as predator_prey
@@ -27,6 +25,8 @@ from subsea.library import render as render
 from subsea.library import retina as retina
 from subsea.media.record import Record as Record
 from subsea.submarine.vessel import Helm as Helm
+from subsea.view.optics import CameraLens as CameraLens
+from subsea.view.optics import FlatPort as FlatPort
 
 __version__: str
 _PLACES: dict[str, str]

@@ -136,7 +136,7 @@ three_js() {
 
 case $PURPOSE in
 run) groups="--no-dev" packages="$HEADLESS $WINDOW" ;;
-bench) groups="--no-dev --extra calibrate --extra console --extra cues --extra headset --extra learn --extra meshopt --extra plot --extra skin --extra sobol --extra sweep --extra tracks --extra usd --extra web" packages="$HEADLESS $WINDOW" ;;
+bench) groups="--no-dev --extra calibrate --extra console --extra cues --extra exr --extra headset --extra learn --extra meshopt --extra plot --extra skin --extra sobol --extra sweep --extra tracks --extra usd --extra web" packages="$HEADLESS $WINDOW" ;;
 test) groups="" packages="$HEADLESS $WINDOW $TESTS" ;;
 *) say "expected 'run', 'bench' or 'test', not '$PURPOSE'" && exit 2 ;;
 esac

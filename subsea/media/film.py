@@ -23,6 +23,7 @@ from subsea.base.errors import UserError
 from subsea.base.files import check_folder, file_hash, read_input, replacing
 from subsea.base.pictures import Pixels
 from subsea.base.progress import count_noun, print_line, progress, say
+from subsea.base.system import require
 from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import (
     check_tour,
@@ -59,7 +60,7 @@ from subsea.scenario.load import LoadedScenario
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish, with_total
 from subsea.sound.mixer import SoundLevels
-from subsea.sound.space import AMBISONIC, at_rest, layout_of
+from subsea.sound.space import AMBISONIC, layout_of
 from subsea.submarine.vessel import course_of
 from subsea.view.display_rigs import chosen_rig, cockpit, theatre_digest
 from subsea.view.follow import FollowCamera, follow_fish
@@ -320,7 +321,7 @@ def film(options: TourFilmOptions) -> int:
     if kind == "film" and CODECS[codec].deep:
         preset = replace(preset, deep=True)
     if passes:
-        # REQ require("exr", "an OpenEXR file")
+        require("exr", "an OpenEXR file")
         preset = replace(preset, floats=True)  # light of any brightness
     durations: list[float] = []
     try:
@@ -355,18 +356,19 @@ def film(options: TourFilmOptions) -> int:
             def listen() -> None:
                 if sound is None:
                     return
-                # Players turn the sound of a sphere with the picture.
-                turns = sound.layout.name == AMBISONIC and observer is not None
-                level = levelled if rig.level else at_rest
-                sound.listen(world, fish, level(observer) if turns else None)
+                heading = None
+                if sound.layout.name == AMBISONIC and observer is not None:
+                    # Players turn the sound of a sphere with the picture.
+                    heading = levelled(observer) if rig.level else observer
+                sound.listen(world, fish, heading)
 
-            def look_out(alpha: float) -> None:
+            def look_out(alpha: float) -> CameraPose:
                 """Move the camera: to the pilot's eye, or behind the followed fish."""
-                nonlocal camera, observer
-                if fish is not None and world.state.fishes.alive[fish]:
-                    camera, observer = follow_fish(world, fish, alpha, camera)
-                else:
-                    observer = cockpit(world.state.submarine, alpha)
+                nonlocal camera
+                if fish is None or not world.state.fishes.alive[fish]:
+                    return cockpit(world.state.submarine, alpha)
+                camera, pose = follow_fish(world, fish, alpha, camera)
+                return pose
 
             listen()
             reach(world, times[0], steer, check, after=listen)
@@ -376,8 +378,7 @@ def film(options: TourFilmOptions) -> int:
                 open_at = options.exposure.instants(instant, float(1 / rate))
                 for sample, moment in enumerate(open_at):
                     alpha = reach(world, moment, steer, check, after=listen)
-                    before = observer
-                    look_out(alpha)
+                    before, observer = observer, look_out(alpha)
                     cut = is_cut(before, observer, float(1 / rate))
                     if cut:  # no cross-fade over a cut
                         if sample:  # the next frame begins with it
@@ -433,8 +434,7 @@ def film(options: TourFilmOptions) -> int:
             if frames:  # the motion of the last frame leads to another one
                 instant += float(1 / rate)
                 alpha = reach(world, instant, steer, check)
-                before = observer
-                look_out(alpha)
+                before, observer = observer, look_out(alpha)
                 cut = is_cut(before, observer, float(1 / rate))
                 packet = pack(world, views(rig, observer), alpha, options=preset.packing)
                 frames.begin(k + 1, packet, alpha, cut, wanted=False)

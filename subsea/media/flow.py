@@ -23,7 +23,7 @@ SEEN = 0.5  # opacity from which a pixel shows a body and not what is behind it
 NEAR_CM = 1.0  # nearer things are not drawn
 
 
-class Moment(NamedTuple):
+class FlowMoment(NamedTuple):
     """The camera and the bodies at a time."""
 
     matrix: Array  # (4, 4) from the world to the axes of the camera, x right, y down, z ahead
@@ -31,17 +31,17 @@ class Moment(NamedTuple):
     points: Array  # (rows, 426, 3) control points, to whose rows the instances refer
 
 
-def moment_of(world: World, matrix: Array, alpha: float) -> Moment:
+def moment_of(world: World, matrix: Array, alpha: float) -> FlowMoment:
     """Keep the bodies of all fishes, `alpha` of the way from the last tick to the current one."""
     instances = instances_of(world, np.arange(len(world.state.fishes.species)), alpha)
     # Rows of simulated fishes change with each tick, and the whole table is large.
     rows, index = np.unique(instances[:, [ROW_A, ROW_B]].astype(np.int64), return_inverse=True)
     instances[:, [ROW_A, ROW_B]] = index.reshape(-1, 2)
-    return Moment(matrix, instances, world.library.control_points[rows])
+    return FlowMoment(matrix, instances, world.library.control_points[rows])
 
 
 class SeenMaps(NamedTuple):
-    """What a camera sees, without a picture."""
+    """The identities and depths that a camera sees."""
 
     optics: Optics
     matrix: Array  # (4, 4) from the world to the axes of the camera
@@ -155,9 +155,13 @@ def enter_bodies(seen: SeenMaps, bodies: Bodies, coverage: Coverage, mark: int) 
 
 
 def skin_moved(
-    seen: SeenMaps, shapes: Shapes, now: Moment, others: tuple[Moment, Moment], who: Ints,
+    seen: SeenMaps,
+    shapes: Shapes,
+    now: FlowMoment,
+    others: tuple[FlowMoment, FlowMoment],
+    who: Ints,
     levels: Ints,
-) -> Array:  # fmt: skip
+) -> Array:
     """Find the place of the skin (h, w, 6) of each pixel at two other times, NaN where unknown.
 
     `who` (n,) are the numbers of the fishes in the picture, once each, `levels` (n,) their levels
@@ -177,12 +181,12 @@ def skin_moved(
 
 
 def body_flow(
-    seen: SeenMaps, moved: Array, now: Moment, who: Ints, others: Sequence[Moment]
+    seen: SeenMaps, moved: Array, now: FlowMoment, who: Ints, others: Sequence[FlowMoment]
 ) -> list[Array]:
     """Compute the motion (h, w, 2), pixels to the right and down, to each of two other moments.
 
     `moved` is that of a `Coverage`, `who` (n,) are the numbers of the bodies of the moments. All
-    that is no fish is taken to stand still. NaN behind the camera.
+    but fishes are taken to stand still. NaN behind the camera.
     """
     optics, identity, depth = seen.optics, seen.identity, seen.depth
     row, column = np.nonzero(identity >= VALUES["fish"])

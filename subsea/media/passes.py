@@ -20,7 +20,7 @@ from subsea.frame.packet import FISH as NUMBER
 from subsea.frame.packet import Packet
 from subsea.media.cryptomatte import Matte, matte
 from subsea.media.exr import camera_header, picture_header
-from subsea.media.flow import Moment, SeenMaps, body_flow, moment_of, skin_moved
+from subsea.media.flow import FlowMoment, SeenMaps, body_flow, moment_of, skin_moved
 from subsea.rendering.fish.bodies import Shapes, levels_of
 from subsea.rendering.gl.id_buffer import KINDS, NUMBERED, IdMaps
 from subsea.rendering.output.passes import LightParts
@@ -55,7 +55,7 @@ class _Frame(NamedTuple):
 
     number: int
     view: View
-    moment: Moment | None  # without the pass of motion there is none
+    moment: FlowMoment | None  # without the pass of motion there is none
     frame: int  # of a time code
     maps: IdMaps | None = None  # of a wanted frame
     who: Ints = np.zeros(0, np.int64)  # fishes in the picture, and their levels of detail
@@ -191,7 +191,7 @@ def _channels(layer: str, names: str, values: Array) -> dict[str, Array]:
 
 
 def mattes(world: World) -> tuple[Matte, ...]:
-    """The mattes of a world: each fish, each species, and each thing that is no fish.
+    """The mattes of a world: each fish, each species, and each other thing.
 
     Fishes have the names that `--follow` takes, such as ``clownfish:0``.
     """

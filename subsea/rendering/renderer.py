@@ -273,7 +273,11 @@ class Renderer(GpuOwner):
         if self._exposure is None or not self._exposure.pictures:
             raise ValueError("nothing has been exposed")
         self._exposure.take(self._target.flat)
+        smooth = self._resolve.smooth
+        # Smoothing by contrast makes crosses of small bubbles, and samples have smoothed the edges.
+        self._resolve.smooth = smooth and not self.quality.samples
         self._show_canvas(self._target.canvas, into)
+        self._resolve.smooth = smooth
 
     def _show_canvas(self, canvas: Any, into: Into) -> None:
         with self.timer.stage("output"):
@@ -487,7 +491,8 @@ class Renderer(GpuOwner):
 
         They have 16 bits if the quality is `deep`, else 8.
         """
-        return self._target.picture(output, page)
+        picture: Bytes = self._target.picture(output, page)
+        return picture
 
     def _show(self, canvas: Any, into: Into, scale: float, unit: float | None = None) -> None:
         """Draw every patch of the rig from the canvas to its output.

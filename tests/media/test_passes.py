@@ -44,7 +44,7 @@ def shot(tmp_path_factory, one_context):
 
 
 def recomposed(channels):
-    """What a compositor makes of the parts."""
+    """Put the parts together as a compositor does."""
     names = "subject.", "transmittance.", "veil."
     subject, share, veil = (rgb(channels, name) for name in names)
     return subject * share + veil

@@ -23,7 +23,7 @@ from subsea.library import World, check_fish, checked_size, drawing
 from subsea.media.flow import (
     NEAR_CM,
     Bodies,
-    Moment,
+    FlowMoment,
     SeenMaps,
     body_flow,
     carried,
@@ -318,7 +318,7 @@ class _Making:
         self._bodies = self._vertices(packet.instances)
         self._keypoints = keypoints_at(self._shapes.keypoints, self._kinds, self._instances, points)
         self._others: list[Any] = [None, None]  # bodies before and after
-        now = Moment(self._matrix, packet.instances, points)
+        now = FlowMoment(self._matrix, packet.instances, points)
         self._moments = [now, now, now]  # before, after, now
 
     def look(self, which: int, pose: CameraPose, share: float) -> None:
@@ -327,7 +327,7 @@ class _Making:
         instances = instances_of(state, self._who, share)
         self._others[which] = self._vertices(instances)
         points = state.library.control_points
-        self._moments[which] = Moment(_matrix(pose), instances, points)
+        self._moments[which] = FlowMoment(_matrix(pose), instances, points)
 
     def finish(self) -> Labels:
         """Compute what is not drawn."""

@@ -10,7 +10,6 @@ import moderngl
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.pictures import Pixels
 from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms, source
 from subsea.rendering.gl.textures import upload
@@ -195,13 +194,13 @@ class RenderTarget(GpuOwner):
             self._context.copy_framebuffer(self.flat, self.framebuffer)
         return self.canvas
 
-    def picture(self, output: int, page: int) -> Pixels:
-        """Read a finished picture (h, w, 3), top row first."""
+    def picture(self, output: int, page: int) -> Any:
+        """Read a finished picture (h, w, 3) of 8 or 16 bits, top row first."""
         framebuffer = self.framebuffers[output, page]
         width, height = framebuffer.size
-        kind, number = ("nu2", np.uint16) if self.deep else ("f1", np.uint8)
-        data = framebuffer.read(components=3, alignment=1, dtype=kind)
-        return np.frombuffer(data, number).reshape(height, width, 3)[::-1]
+        data = framebuffer.read(components=3, alignment=1, dtype="nu2" if self.deep else "f1")
+        kind = np.uint16 if self.deep else np.uint8
+        return np.frombuffer(data, kind).reshape(height, width, 3)[::-1]
 
     def light(self, part: Rect) -> Array:
         """Read the light (h, w, 3) of a part of the canvas that was resolved last, float32."""
@@ -229,7 +228,7 @@ class ResolvePass(GpuOwner):
         self._programs: dict[tuple[int, ...], Any] = {}  # by constants
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
         self._held = self.own(GpuOwner())  # of these patches
-        self._smooth, self._deep = smooth, False
+        self.smooth, self._deep = smooth, False
         self.patches: tuple[DisplayPatch, ...] = ()
         self._fine: list[Warp | None] = []  # the meshes of the patches
         self._bloom: Bloom | None = None
@@ -237,7 +236,7 @@ class ResolvePass(GpuOwner):
 
     def adapt(self, quality: Quality) -> None:
         """Smooth edges, and let what is bright spread, as this quality says."""
-        self._smooth, self._deep = quality.smooth, quality.deep
+        self.smooth, self._deep = quality.smooth, quality.deep
         if quality.bloom and self._bloom is None:
             self._bloom = self.own(Bloom(self._context))
         elif not quality.bloom and self._bloom is not None:
@@ -324,7 +323,7 @@ class ResolvePass(GpuOwner):
         patch = self.patches[number]
         if patch.shape != Projection.FLAT or self._meshes[number] is not None:
             return False
-        return left[2:] == patch.place[2:] and not (self._smooth and linear)
+        return left[2:] == patch.place[2:] and not (self.smooth and linear)
 
     def _array(
         self, number: int, linear: bool, bloom: bool = False, exact: bool = False
@@ -337,7 +336,7 @@ class ResolvePass(GpuOwner):
             "WEAVE": int(patch.weave),
             "SHAPE": int(Projection.WARPED if meshed else patch.shape),
             "MESH": int(held is not None),
-            "SMOOTH": int(self._smooth and linear and plain),
+            "SMOOTH": int(self.smooth and linear and plain),
             "MASKED": self._masked[number],
             "LINEAR": int(linear),
             "GRADED": int(linear and self.grade != UNGRADED),

@@ -200,7 +200,7 @@ class LineRenderer(GpuOwner):
     def draw(self, packet: Packet, number: int, view: View, uniforms: dict[str, Any]) -> int:
         """Blend all lines over a view; returns the number of triangles.
 
-        They are no part of the light of the sea.
+        They do not belong to the light of the sea.
         """
         count = 0 if "u_passes" in uniforms else len(packet.lines.ends)
         if not count or (packet.lined is not None and number >= packet.lined):

@@ -48,7 +48,7 @@ def test_a_picture_in_other_water_follows_from_the_parts(make_renderer, packet, 
     share = clear.transmittance
     subject = clear.subject(share)
     rebuilt = subject * murky.transmittance + murky.veil
-    # What the surface mirrors lies in the water, too.
+    # The surface mirrors things in the water, too.
     solid = (clear.cover > 0.999) & (murky.cover > 0.999)
     solid &= renderer.id_maps(packet).kind != SURFACE
     assert solid.mean() > 0.1
