@@ -40,6 +40,7 @@ from subsea.dive.settings import default_text, read_settings
 from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
+from subsea.fish.outline_file import read_outline
 from subsea.fish.species import Species, load_species
 from subsea.lab.benchmark_reports import read_reports
 from subsea.lab.run_store import RunResult, read_results, read_run_file, result_line
@@ -326,6 +327,9 @@ KINDS = {
         lambda p: read_thumbnail(p.with_suffix(".toml")),
     ),
     "species": Kind(".toml", shipped("assets/species", ".toml"), lambda p: load_species(str(p))),
+    "outline": Kind(
+        ".toml", shipped("docs/outlines", ".toml"), lambda p: read_outline(p, None, None)
+    ),
     "measured": Kind(
         ".toml", lambda unused: [resource_path("assets/swimming.toml").read_bytes()], load_measured
     ),

@@ -47,7 +47,8 @@ def record_segment(species: Species, name: str) -> Recorded:
     kind, _, grade = name.rpartition("_")
     steps, slowing = _turn(species, grade) if "turn" in kind else _straight(species, grade)
     place, rotation = _path(steps)
-    frames = to_world(np.repeat(body.rest[None], len(place), axis=0), place, rotation)
+    rest = np.repeat(body.rest[None], len(place), axis=0)
+    frames = np.asarray(to_world(rest, place, rotation), np.float64)
     if "right" in name:
         frames = frames[:, MIRROR] * (1.0, 1.0, -1.0)
     segment = make_segment(

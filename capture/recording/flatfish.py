@@ -7,6 +7,7 @@ on the path, so that the beat does not pitch the frame.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -83,13 +84,8 @@ def record_segment(species: Species, name: str) -> Recorded:
 def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:
     """Make a repertoire of recorded segments; its nodes at rest lie."""
     upright = assemble_upright(name, species, recorded)
-    return Repertoire(
-        **{
-            **{key: getattr(upright, key) for key in upright.__dataclass_fields__},
-            "source": SOURCE,
-            "rest_nodes": lay_nodes(upright.rest_nodes),
-        }
-    )
+    fields: dict[str, Any] = {key: getattr(upright, key) for key in upright.__dataclass_fields__}
+    return Repertoire(**fields | {"source": SOURCE, "rest_nodes": lay_nodes(upright.rest_nodes)})
 
 
 def _ahead(frames: Floats) -> Floats:
@@ -123,18 +119,18 @@ def _places(path: SwimPath) -> tuple[Array, Array, Array]:
     return at, ahead - np.interp(0.0, at, ahead), right - np.interp(0.0, at, right)
 
 
-def _follow(points: Floats, path: SwimPath, length: float) -> Floats:
+def _follow(points: Array, path: SwimPath, length: float) -> Floats:
     """Bend points (T, n, 3) about a straight line so that this becomes the path, cm."""
     along = points[..., 0] / length
     at, ahead, right = _places(path)
     heading = path.heading(along)
-    out = points.copy()
+    out = np.array(points, np.float64)
     out[..., 0] = length * np.interp(along, at, ahead) + points[..., 2] * np.sin(heading)
     out[..., 2] = length * np.interp(along, at, right) + points[..., 2] * np.cos(heading)
     return out
 
 
-def _on_path(nodes: Floats, path: SwimPath, way: Floats, length: float) -> Floats:
+def _on_path(nodes: Array, path: SwimPath, way: Array, length: float) -> Array:
     """Nodes (n, 3) of a stiff body (T, n, 3) whose middle is at ``way`` (T,) on the path."""
     at, ahead, right = _places(path)
     heading = path.heading(way)[:, None]

@@ -48,11 +48,6 @@ class OutlinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     mass_g: Annotated[float, msgspec.Meta(gt=0, le=1e6)] | None = None
 
 
-def is_outline(content: object) -> bool:
-    """True for the content of a TOML file with an outline; others are species files."""
-    return isinstance(content, dict) and "outline" in content
-
-
 def read_outline(path: Path, length_cm: float | None, mass_g: float | None) -> SurfacePlan:
     """The surface of the fish in a file; a length and a mass replace those of the file.
 

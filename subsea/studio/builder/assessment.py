@@ -39,7 +39,8 @@ def assess(draft: SpeciesDraft) -> Assessment:
     """Check a draft, try how it swims, and paint it."""
     species = draft.species
     findings = static_checks(species)
-    if species.muscles and not isinstance(species, UnstableSpecies):
+    stiff = species.form == "boxfish" or isinstance(species, UnstableSpecies)
+    if species.muscles and not stiff:
         findings += swim_checks(try_swimming(species.muscles))
     sheet, faults = draft_sheet(draft)
     return Assessment([*findings, *faults], sheet, *textured_view(species, sheet))
