@@ -7,6 +7,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.arrays import Array
 from subsea.frame.packet import RenderScene
 from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.id_buffer import SURFACE
@@ -71,8 +72,11 @@ def wave_levels(seed: int) -> list[Texels]:
     The variance of what a level averages out makes the surface rough where its waves are too small
     to be seen. A software renderer reads bytes for half of what half floats cost.
     """
+    x: Array
+    y: Array
     x, y = ripples(seed)
-    square, levels = x**2 + y**2, []
+    square: Array = x**2 + y**2
+    levels = []
     low, high = np.array([-MOST_SLOPE, -MOST_SLOPE, 0.0, 0.0]), np.full(4, MOST_SLOPE)
     while True:
         lost = np.maximum(square - x**2 - y**2, 0.0)
