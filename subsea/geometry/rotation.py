@@ -87,7 +87,7 @@ def fraction(q: Quaternion, f: float) -> Quaternion:
     sign = -1.0 if q[0] < 0.0 else 1.0
     w, x, y, z = sign * q[0], sign * q[1], sign * q[2], sign * q[3]
     s = x * x + y * y + z * z
-    if s < SMALL * SMALL and -2.0 <= f <= 2.0:
+    if s < SMALL * SMALL and (-2.0 <= f <= 2.0 or s == 0.0):
         # sin(f·asin s) / s as a series in s² to the seventh order: recorded increments are small.
         g = f * f
         a = (1.0 - g) / 6.0

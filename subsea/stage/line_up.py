@@ -243,7 +243,7 @@ def _names(channels: tuple[ProjectorChannel, ...]) -> list[str]:
     return names
 
 
-def _light(channel: ProjectorChannel) -> tuple[float, float, float]:
+def _light(channel: ProjectorChannel) -> tuple[object, ...]:
     """Return all that the masks of all channels depend on."""
     adjustment = channel.adjustment
     return adjustment.gamma, adjustment.black, adjustment.blend_width

@@ -218,7 +218,7 @@ def _write(
     most = max(float(one.max()) for one in lifted)
     for k, (channel, one, level) in enumerate(zip(lit.channels, prints, levels, strict=True)):
         table = tables[int(channel.key[8:-1])]
-        gamma = level.gamma or channel.gamma
+        gamma = level.gamma or channel.adjustment.gamma
         share = light_share(prints, k, groups)[..., None] * (1.0 - most)
         factor = share ** (1.0 / np.array(gamma))
         _write_png(files.masks[k], np.round(255 * factor).astype(np.uint8))
