@@ -70,7 +70,7 @@ def wave_levels(seed: int) -> list[Texels]:
     """The mipmaps of the surface, largest first: slopes along x and y, and their variance.
 
     The variance of what a level averages out makes the surface rough where its waves are too small
-    to be seen. A software renderer reads bytes for half of what half floats cost.
+    to be seen. A software renderer reads bytes faster than half floats.
     """
     x: Array
     y: Array
