@@ -59,6 +59,11 @@ def test_fraction_scales_the_angle(angle, f):
     np.testing.assert_allclose(part, expected, atol=1e-9)
 
 
+@given(st.floats(-30, 30))
+def test_any_power_of_no_rotation_is_none(f):
+    assert tuple(rot.fraction((1.0, 0.0, 0.0, 0.0), f)) == (1.0, 0.0, 0.0, 0.0)
+
+
 def test_a_positive_angle_about_the_back_turns_left():
     ahead = rot.rotate(rot.about(0.0, 1.0, 0.0, 0.1), np.array([1.0, 0.0, 0.0]))
     assert ahead[2] < 0  # z is right

@@ -241,8 +241,9 @@ def repeating(context: Any, make: Callable[[int], Texels], seed: int) -> Any:
 def repeating_levels(context: Any, make: Callable[[int], list[Texels]], seed: int) -> Any:
     """A repeating texture whose mipmaps are `make(seed)`, largest first, cached on disk."""
     levels = cached(make, seed)
-    texture = mipmapped(context, levels[0])
-    for level, texels in enumerate(levels):
+    texture = _plain(context, levels[0])
+    texture.build_mipmaps(max_level=len(levels) - 1)
+    for level, texels in enumerate(levels[1:], 1):
         texture.write(texels, level=level, alignment=1)
     texture.filter = ONE_LEVEL
     return texture
