@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from subsea.base.errors import UserError
 from subsea.base.progress import say
-from subsea.base.toml_files import error_at
 from subsea.dive.part import DivePart
 
 if TYPE_CHECKING:
@@ -278,6 +277,7 @@ def cues_of(screens: "ShowScreens") -> CuesPart | None:
 def check_cues(show: "Show", path: Path) -> None:
     """Raise a UserError for a command of MIDI that no presenter knows, or a missing package."""
     from subsea.base.system import require
+    from subsea.base.toml_files import error_at
 
     by_midi = show.timecode is not None and show.timecode.source == "midi"
     if show.osc is not None or show.midi is not None or by_midi:

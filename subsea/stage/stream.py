@@ -12,15 +12,13 @@ from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
-import numpy as np
-
-from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, unknown
 from subsea.base.progress import say
 from subsea.dive import arguments as shared
 from subsea.dive.part import DivePart
 
 if TYPE_CHECKING:
+    from subsea.base.arrays import Bytes
     from subsea.dive.options import DiveOptions
     from subsea.stage.small_picture import SmallPicture
     from subsea.ui.dive import Dive
@@ -77,7 +75,7 @@ class StreamSender:
         self._thread = Thread(target=self._run, name="stream", daemon=True)
         self._thread.start()
 
-    def show(self, picture: Bytes) -> None:
+    def show(self, picture: "Bytes") -> None:
         """Send a picture (h, w, 3 or 4) from now on, top row first; sizes are even."""
         with self._lock:
             self._latest = picture
@@ -127,7 +125,7 @@ class StreamSender:
                 assert picture is not None
                 if picture.shape[:2] != (height, width):
                     break
-                frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture[..., :3]), "rgb24")
+                frame = av.VideoFrame.from_ndarray(picture[..., :3].copy("C"), "rgb24")
                 frame.pts = number
                 for packet in stream.encode(frame):
                     container.mux(packet)
@@ -137,7 +135,7 @@ class StreamSender:
                 number = max(number + 1, int((time.monotonic() - begun) * fps))
 
     @property
-    def latest(self) -> Bytes | None:
+    def latest(self) -> "Bytes | None":
         """The picture that is sent; None before the first."""
         with self._lock:
             return self._latest
@@ -241,7 +239,7 @@ class StreamPart(DivePart):
     def shown(self, dive: "Dive") -> None:
         """Send black while the screens are."""
         if dive.black and self._sender is not None and (last := self._sender.latest) is not None:
-            self._sender.show(np.zeros_like(last))
+            self._sender.show(0 * last)
 
     def close(self) -> None:
         """Stop the stream."""

@@ -17,7 +17,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, pytestconfig):
         cwd=tmp_path, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.count(f"{rounds} damaged files, 0 findings") == 31
+    assert done.stdout.count(f"{rounds} damaged files, 0 findings") == 33
     assert not (tmp_path / "kept").exists()
 
 

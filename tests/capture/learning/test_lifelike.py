@@ -12,14 +12,12 @@ from capture.learning.body_space import (
     BODY_SIZE,
     DENSITY,
     GAIT_SIZE,
-    MARGIN,
     MASS,
     MASS_FACTOR,
     TICKS,
     body_at,
     gait_at,
     gait_point,
-    outline_volumes,
     species_point,
 )
 from capture.learning.improve import write_plans
@@ -41,6 +39,7 @@ from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import contraction_step
 from subsea.biomechanics.solver import STEP, longest_step
 from subsea.biomechanics.trial import beat_contraction
+from subsea.fish.scaffold import MARGIN, volumes_at
 from subsea.fish.species import Species, load_species
 from tests.support.commands import refusal
 
@@ -73,7 +72,7 @@ def test_a_wave_has_its_amplitude_length_and_bend():
 
 def test_every_point_of_the_box_is_a_body_that_the_step_bears():
     fish = load_species("fusilier")
-    volumes = outline_volumes(fish.surface, fish.body)
+    volumes = volumes_at(fish.surface, fish.body.stations)
     rng = np.random.default_rng(4)
     for point in (*rng.random((3, BODY_SIZE)), np.ones(BODY_SIZE)):
         plan = body_at(fish.body, point, volumes)
@@ -94,7 +93,7 @@ def test_every_point_of_the_box_is_a_body_that_the_step_bears():
 
 def test_a_body_and_its_gaits_are_points_of_their_box():
     fish = load_species("blue_tang")
-    volumes, body = outline_volumes(fish.surface, fish.body), build_body(fish.body)
+    volumes, body = volumes_at(fish.surface, fish.body.stations), build_body(fish.body)
     for grade in fish.swim.grades:
         again = gait_at(body, fish.swim, grade, gait_point(body, fish.swim, grade))
         assert again.at(grade).ticks_per_beat == fish.swim.at(grade).ticks_per_beat

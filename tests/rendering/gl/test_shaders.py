@@ -89,7 +89,7 @@ def test_shader_and_vertices_agree_on_the_sway_of_corals():
 
 
 def test_textures_are_read_with_the_spans_with_which_they_were_written():
-    (relief,) = numbers("solid.frag", r"RELIEF_SPAN = vec4\( # , # , # , # \)")
+    (relief,) = numbers("relief.glsl", r"RELIEF_SPAN = vec4\( # , # , # , # \)")
     # Slopes are written by the tile and read for the depth that the relief is drawn with.
     np.testing.assert_allclose(relief, 2.0 * rocks.RELIEF_SPAN * (1.0, 0.05, 0.05, 1.0))
     for scale, low in numbers("seabed.frag", r"# \* texture\(u_ripples, .*\) - # ;"):

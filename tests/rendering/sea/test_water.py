@@ -44,7 +44,7 @@ def test_the_rings_of_the_disc_reach_its_edge():
 
 
 def test_each_mipmap_of_the_waves_keeps_their_mean_square_slope():
-    """What a level averages out of the slopes is in their variance."""
+    """The variance of a level holds the slopes that it averages out."""
     square = sum((slope**2).mean() for slope in ripples(5))
     levels = wave_levels(5)
     assert [len(level) for level in levels] == [256 >> k for k in range(9)]

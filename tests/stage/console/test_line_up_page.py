@@ -140,7 +140,7 @@ def test_before_save_and_cancel(console, tool):
 def test_a_refused_change_is_read_aloud(console, tool):
     tool.run("var one = document.getElementById('gamma'); one.value = '9';"
              "one.dispatchEvent(new Event('change'))")  # fmt: skip
-    tool.until("document.getElementById('message').textContent.includes('at most 4')")
+    tool.until("document.getElementById('message').textContent.includes('0.5 to 4')")
     assert tool.run("document.getElementById('message').getAttribute('role')") == "alert"
     tool.logged.clear()  # the browser's own line about the refusal
 
