@@ -11,8 +11,6 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import msgspec
-
 from subsea.base.command_line import number_reader
 from subsea.base.errors import UserError
 from subsea.base.progress import say
@@ -181,6 +179,8 @@ class TheatrePart(DivePart):
         """Show structured light instead of the sea."""
         if self._light is None or self._light.shown is None:
             return presented
+        import msgspec
+
         return msgspec.structs.replace(presented, light=self._light.shown)
 
     def cue(self) -> None:
