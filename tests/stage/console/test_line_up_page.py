@@ -179,6 +179,6 @@ def test_without_a_theatre_it_says_so(console, page):
 def test_strangers_are_sent_to_the_login(guarded, page):
     page.logged.clear()
     page.open(f"http://{guarded.host}/line-up")
-    page.until("location.pathname === '/' && document.activeElement.id === 'token'")
+    page.until("location.pathname === '/' && document.activeElement?.id === 'token'")
     page.logged.clear()  # refusals are logged
     page.open("about:blank")
