@@ -13,10 +13,9 @@ import msgspec
 import numpy as np
 from picture_files import output_folder, save
 from PIL import Image
+from projector_pictures import projector_pictures
 
 from subsea.base.arrays import Array, Bytes
-from subsea.dive.start import headless
-from subsea.rendering.output.target import ResolvePass
 from subsea.stage.setup import set_up_theatre
 from subsea.stage.theatre.adjusting import ANTICLOCKWISE, UNIT
 from subsea.stage.theatre.channels import ProjectorChannel
@@ -26,7 +25,6 @@ from subsea.stage.theatre.theatre_file import Adjustment, Corners
 from subsea.stage.theatre.theatre_rig import readjusted
 from subsea.view.adjustment import homography
 from subsea.view.rig import CameraRig
-from subsea.view.test_pattern import lineup
 from tests.stage.console.conftest import Console, local
 from tests.support.browser import browser
 
@@ -81,7 +79,7 @@ def _screen(channels: Sequence[ProjectorChannel], rig: CameraRig) -> Bytes:
     )
     ways = np.stack([first.radius * np.sin(turn), y, first.radius * np.cos(turn)], axis=-1)
     light = np.zeros((high * WIDE, 3))
-    for number, (one, shown) in enumerate(zip(channels, _shown(rig), strict=True)):
+    for number, (one, shown) in enumerate(zip(channels, projector_pictures(rig), strict=True)):
         assert one.screen is not None
         landed = places_on(one.screen, ways.reshape(-1, 3))
         inverse = np.linalg.inv(homography(PUSHED.get(number, UNIT)))
@@ -93,24 +91,6 @@ def _screen(channels: Sequence[ProjectorChannel], rig: CameraRig) -> Bytes:
         light[lit] += (shown[::-1][row, column] / 255.0) ** GAMMA
     picture = 255 * np.clip(light.reshape(high, WIDE, 3), 0, 1) ** (1 / GAMMA)
     return np.asarray(picture.astype(np.uint8))
-
-
-def _shown(rig: CameraRig) -> list[Bytes]:
-    """What each projector gets: the test pattern, top row first."""
-    found = []
-    with headless() as context:
-        data = np.ascontiguousarray(lineup(rig)[::-1]).tobytes()
-        texture = context.texture(rig.canvas, 3, data, alignment=1)
-        resolve = ResolvePass(context, rig.patches)
-        for number, patch in enumerate(rig.patches):
-            size = rig.outputs[patch.output]
-            target = context.simple_framebuffer(size)
-            target.clear()
-            resolve.draw(texture, target, size, number, unit=None)
-            read = np.frombuffer(target.read(alignment=1), np.uint8)
-            found.append(read.reshape(size[1], size[0], 3)[::-1])
-        resolve.release()
-    return found
 
 
 def _page(pushed: Sequence[tuple[str, Array]]) -> Image.Image:

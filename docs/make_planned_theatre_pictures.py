@@ -12,11 +12,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from picture_files import output_folder, save
 from PIL import Image
+from projector_pictures import projector_pictures
 
 from subsea.base.arrays import Array, Bytes
 from subsea.cli.main import main as subsea
-from subsea.dive.start import headless
-from subsea.rendering.output.target import ResolvePass
 from subsea.stage.setup import TheatreSetup, set_up_theatre
 from subsea.stage.theatre.channels import (
     Projector,
@@ -27,7 +26,7 @@ from subsea.stage.theatre.channels import (
 from subsea.stage.theatre.room_picture import room_picture
 from subsea.stage.theatre.screens import Curved, places_on
 from subsea.view.surround import Surround, directions
-from subsea.view.test_pattern import lineup, pattern
+from subsea.view.test_pattern import pattern
 
 GAMMA = 2.2
 SHRINK = 4
@@ -68,20 +67,7 @@ def _fitted(row: Image.Image) -> Image.Image:
 
 def _projectors(house: TheatreSetup) -> list[Image.Image]:
     """Rows of three pictures that the projectors get: the test pattern."""
-    rig = house.rig
-    canvas, found = lineup(rig), []
-    with headless() as context:
-        data = np.ascontiguousarray(canvas[::-1]).tobytes()
-        texture = context.texture(rig.canvas, 3, data, alignment=1)
-        resolve = ResolvePass(context, rig.patches)
-        for number, patch in enumerate(rig.patches):
-            size = rig.outputs[patch.output]
-            target = context.simple_framebuffer(size)
-            target.clear()
-            resolve.draw(texture, target, size, number, linear=False)
-            read = np.frombuffer(target.read(alignment=1), np.uint8)
-            found.append(Image.fromarray(read.reshape(size[1], size[0], 3)[::-1]))
-        resolve.release()
+    found = [Image.fromarray(picture) for picture in projector_pictures(house.rig)]
     rows = []
     for begin in range(0, len(found), 3):
         row = Image.new("RGB", (3 * (found[0].width + GAP) - GAP, found[0].height), "white")

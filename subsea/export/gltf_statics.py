@@ -1,4 +1,4 @@
-"""What stays at its place in a glTF file: sand, stone, corals, and seaweed that bends.
+"""Write sand, stone, corals and bending seaweed into a glTF file.
 
 Sand, stone and corals are a mesh of each kind, or instances of meshes. Seaweed is a skinned mesh of
 each kind, whose joints only shift (`plant_motion.py`).
@@ -19,7 +19,7 @@ from subsea.geometry.rotation import from_matrix
 ROUGH = 0.9  # of what is not wet skin
 SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its own vertices
 SMALL = Packing(QUANTISED)  # bytes for weights, which need no extension
-STEP_M = 1e-4  # what the place of a joint may be off when it is compressed
+STEP_M = 1e-4  # error of the place of a compressed joint, at most
 SWAY = "_SWAY"  # attribute: how far a vertex sways with the water, in the unit of its position
 
 

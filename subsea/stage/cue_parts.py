@@ -101,7 +101,7 @@ class CuesPart(DivePart):
         self._follower: Any = None
         self._messages: SimpleQueue[Any] = SimpleQueue()
         self._labels: SimpleQueue[tuple[float, float]] = SimpleQueue()
-        self._told: dict[str, Any] = {}  # what was last sent, by address
+        self._told: dict[str, Any] = {}  # the values sent last, by address
         self._jumps, self._following, self._rates = 0, False, set[str]()
 
     def begin(self, dive: "Dive") -> None:

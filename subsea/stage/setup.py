@@ -60,7 +60,7 @@ class TheatreWindows(NamedTuple):
     installation: Installation
     make_ticks: Callable[[World, Pilot], TickSource]
     setup: TheatreSetup
-    view: dict[str, str]  # what must be equal on all computers; a saved line-up changes it
+    view: dict[str, str]  # must be equal on all computers; a saved line-up changes it
 
 
 def set_up_theatre(

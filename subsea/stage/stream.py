@@ -34,7 +34,7 @@ TTL = 4  # networks that a multicast packet may pass
 
 
 class StreamOptions(NamedTuple):
-    """Where a stream goes, and what of."""
+    """The address of a stream, and the window that it shows."""
 
     url: str  # checked
     window: str | None = None  # of a theatre; None: the front one

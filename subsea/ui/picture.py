@@ -117,7 +117,7 @@ class ScenePicture:
         self._window_set, self._fixed, self._options = window_set, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
         self._wanted_pattern = False  # what a presenter last wanted
-        self._canvas: CanvasMaker = _test_pattern  # what is shown as a pattern ...
+        self._canvas: CanvasMaker = _test_pattern  # draws the pattern ...
         self._marks: Mapping[int, Array] = {}  # ... and over it, by patch
         self._wanted_light: tuple[int, int] | None = None
         self._light: tuple[int, int] | None = None  # channel and number of its structured light

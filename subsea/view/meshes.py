@@ -111,7 +111,7 @@ def _straight(patch: DisplayPatch, across: int, up: int) -> Warp:
     x, y = np.meshgrid(np.linspace(0, 1, across + 1), np.linspace(0, 1, up + 1))
     places = np.stack([x, y], axis=-1).reshape(-1, 2)
     sources = places
-    if patch.shape == Projection.DOME:  # whose square a mesh shows
+    if patch.shape == Projection.DOME:  # a mesh shows the whole square of a dome
         size = np.array(shown_size(patch))
         sources = 0.5 + (places - 0.5) * size / size.min()
     vertices = np.column_stack([places, sources, sources]).astype(np.float32)

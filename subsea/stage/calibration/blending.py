@@ -23,7 +23,7 @@ LEAST = 1e-6  # weight at the very edge of a picture
 
 
 class InverseMesh(NamedTuple):
-    """Where in the picture of a projector the places of its screen lie."""
+    """A map from places of the screen to the picture of a projector."""
 
     corner: Array  # (2,) place of the lower left corner
     size: Array  # (2,)
@@ -79,7 +79,7 @@ def mesh_of(measured: MeasuredProjector, part: tuple[float, float, float, float]
 def footprints(
     measured: Sequence[MeasuredProjector], screens: Sequence[LitSurface], groups: Sequence[object]
 ) -> list[Footprint]:
-    """Where each projector lights one of the `screens`, and how much of the light it gives.
+    """Find the part of the `screens` that each projector lights, and its share of the light.
 
     Projectors of different `groups`, such as those for one eye, do not blend.
     """

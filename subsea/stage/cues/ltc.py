@@ -6,8 +6,6 @@ its middle. The last 16 bits, 0011 1111 1111 1101, say where a frame ends.
 
 import time
 from collections.abc import Callable, Generator
-from queue import SimpleQueue
-from threading import Event, Thread
 from typing import Any
 
 import numpy as np
@@ -15,6 +13,7 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.sound.device import open_capture
 from subsea.sound.space import RATE
+from subsea.stage.cues.device_thread import AGAIN_S, DeviceThread
 from subsea.stage.cues.timecode import FrameLabel
 
 SYNC = 0b1011111111111100  # the last 16 bits, the first of them lowest
@@ -117,11 +116,11 @@ def label_of(bits: int) -> FrameLabel | None:
     return label if sane else None
 
 
-AGAIN_S, SILENT_S = 3.0, 2.0  # between attempts to open a device; without samples it is gone
+SILENT_S = 2.0  # without samples after which a device is gone
 Open = Callable[[str, Generator[None, bytes, None]], Any]
 
 
-class LtcInput:
+class LtcInput(DeviceThread):
     """Labels from a sound device, which a thread opens and watches."""
 
     def __init__(
@@ -129,20 +128,8 @@ class LtcInput:
     ):
         """`name` is a part of the device's; `hear` gets each label in a thread of the device."""
         self._name, self._hear, self._open = name, hear, open_one
-        self._lines: SimpleQueue[str] = SimpleQueue()
         self._heard_s = 0.0
-        self._ends = Event()
-        self._thread = Thread(target=self._run, name="timecode", daemon=True)
-        self._thread.start()
-
-    def check(self) -> str:
-        """A line if the device was found or lost since the last call, else an empty one."""
-        return "" if self._lines.empty() else self._lines.get_nowait()
-
-    def close(self) -> None:
-        """Hear nothing more."""
-        self._ends.set()
-        self._thread.join(2.0)
+        super().__init__("timecode")
 
     def _run(self) -> None:
         device: Any = None

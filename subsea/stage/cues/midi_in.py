@@ -5,15 +5,13 @@ time; messages come in a thread of the driver and wait in queues.
 """
 
 from collections.abc import Callable
-from queue import SimpleQueue
-from threading import Event, Thread
 from typing import Any
 
 import mido
 
+from subsea.stage.cues.device_thread import AGAIN_S, DeviceThread
 from subsea.stage.cues.timecode import RATES, FrameLabel, Rate
 
-AGAIN_S = 3.0  # between two looks for the device
 MTC_RATES: tuple[Rate, ...] = ("24", "25", "29.97", "30")
 PIECES = 8  # of a label, over two frames
 LATE_FRAMES = 1.75  # from the first piece, which the label is of, to the last
@@ -61,25 +59,13 @@ def _label(
     return (label, rate, late) if sane and label.frames < round(RATES[rate]) else None
 
 
-class MidiInput:
+class MidiInput(DeviceThread):
     """Messages of the first MIDI port whose name holds a text."""
 
     def __init__(self, name: str, hear: Callable[[Any], object]) -> None:
         """`hear` gets each message, in a thread of the driver."""
         self._name, self._hear = name, hear
-        self._lines: SimpleQueue[str] = SimpleQueue()
-        self._ends = Event()
-        self._thread = Thread(target=self._run, name="midi", daemon=True)
-        self._thread.start()
-
-    def check(self) -> str:
-        """A line if the device was found or lost since the last call, else an empty one."""
-        return "" if self._lines.empty() else self._lines.get_nowait()
-
-    def close(self) -> None:
-        """Hear nothing more."""
-        self._ends.set()
-        self._thread.join(2.0)
+        super().__init__("midi")
 
     def _run(self) -> None:
         port: Any = None

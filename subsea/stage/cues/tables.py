@@ -17,7 +17,7 @@ class CueTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 class OscOut(CueTable, frozen=True, kw_only=True):
-    """Where messages go."""
+    """The receiver of OSC messages."""
 
     address: str
 
@@ -41,7 +41,7 @@ class TimecodeIn(CueTable, frozen=True, kw_only=True):
     @property
     def frames(self) -> Rate:
         """The rate by its name."""
-        return f"{self.rate:g}"  # type: ignore[return-value]
+        return next(name for name in RATES if name == f"{self.rate:g}")
 
 
 class MidiCue(CueTable, frozen=True, kw_only=True):

@@ -10,7 +10,7 @@ import re
 from typing import Literal, NamedTuple
 
 Rate = Literal["24", "25", "29.97", "30"]  # frames a second; 29.97 drops labels
-RATES: dict[str, float] = {"24": 24.0, "25": 25.0, "29.97": 30000.0 / 1001.0, "30": 30.0}
+RATES: dict[Rate, float] = {"24": 24.0, "25": 25.0, "29.97": 30000.0 / 1001.0, "30": 30.0}
 
 LOCK_S = 0.5  # for which labels must go on with the clock
 LOST_S = 0.5  # without a label: it has stopped

@@ -36,7 +36,7 @@ class LineUpState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The line-up of a theatre, as all its computers show it."""
 
     adjustments: Adjustments = {}  # of the channels that were changed since the start of the dive
-    saved: Adjustments = {}  # what every computer's theatre file is to have
+    saved: Adjustments = {}  # for the theatre file of every computer
     open: bool = False  # True: patterns and marks are shown
     pattern: Pattern = "grid"
     others: Others = "dim"  # how the channels that are not chosen are shown

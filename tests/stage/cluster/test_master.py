@@ -118,7 +118,7 @@ def test_a_line_up_reaches_all_with_its_picture_and_nodes_that_come_later(
         assert heard[harness.master._number] == state  # in the very next picture
         assert left.node.line_up == state
     harness.show_pictures()
-    assert heard[harness.master._number] is None  # what has not changed is not sent again
+    assert heard[harness.master._number] is None  # an unchanged line-up is not sent again
     right = harness.node(seas[2], "right")
     harness.show_until(lambda: right.node.line_up == harness.master.line_up)
     assert not told(harness, "differs")

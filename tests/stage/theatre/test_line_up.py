@@ -228,7 +228,7 @@ def test_cancel_returns_to_what_was_saved(line_up):
     line_up.cancel()
     assert line_up.state.adjustments == saved and not line_up.state.open
     line_up.begin()
-    line_up.undo()  # what was cancelled can still be had back
+    line_up.undo()  # a cancelled change can be restored
     assert line_up.state.adjustments["left"].gamma == 1.8
 
 
