@@ -6,7 +6,8 @@ such as masks of theatres, are not read here.
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.errors import UserError
 from subsea.base.files import replacing
 
 if TYPE_CHECKING:
@@ -21,6 +23,17 @@ if TYPE_CHECKING:
 
 # (height, width, 1, 3 or 4) of 8 bits, top row first; also (height, width) of 16 bits.
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
+
+
+@contextmanager
+def naming_faults(kind: str, file: Path | str) -> Iterator[None]:
+    """Turn any fault of reading a picture into a UserError that names its kind and file."""
+    try:
+        yield
+    except UserError:
+        raise
+    except Exception as fault:  # Pillow raises nearly anything for a damaged file
+        raise UserError(f"not a readable {kind}", file=file) from fault
 
 
 def in_srgb(picture: Image.Image) -> Image.Image:

@@ -19,6 +19,7 @@ import numpy as np
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import MIB, file_hash, read_input
 from subsea.base.language import LANGUAGES, language, translated
+from subsea.base.pictures import naming_faults
 from subsea.base.system import is_path, resource_names, resource_path, unknown_name
 from subsea.base.toml_files import error_at, load_toml
 from subsea.dive.directed_camera import check_tour
@@ -308,16 +309,12 @@ def read_overlay(path: Path, overlay: FisheyeOverlay) -> Fisheye:
 
     file = path.parent / overlay.file
     data = read_input(file, MOST_OVERLAY_BYTES)
-    try:
-        with Image.open(BytesIO(data), formats=("PNG",)) as image:
-            if image.width != image.height or not 16 <= image.width <= MOST_OVERLAY:
-                size = f"{image.width}×{image.height} pixels"
-                raise UserError(f"{size}, expected a square of 16 to {MOST_OVERLAY}", file=file)
-            pixels = np.asarray(image.convert("RGBA"))
-    except UserError:
-        raise
-    except Exception as fault:  # Pillow raises nearly anything for a damaged file
-        raise UserError("not a readable PNG picture", file=file) from fault
+    opened = naming_faults("PNG picture", file)
+    with opened, Image.open(BytesIO(data), formats=("PNG",)) as image:
+        if image.width != image.height or not 16 <= image.width <= MOST_OVERLAY:
+            size = f"{image.width}×{image.height} pixels"
+            raise UserError(f"{size}, expected a square of 16 to {MOST_OVERLAY}", file=file)
+        pixels = np.asarray(image.convert("RGBA"))
     return Fisheye(pixels, math.radians(overlay.tilt_deg), math.radians(overlay.angle_deg))
 
 

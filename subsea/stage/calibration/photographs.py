@@ -10,7 +10,7 @@ from PIL import Image, ImageOps
 
 from subsea.base.arrays import Array, Bytes
 from subsea.base.errors import UserError, unreadable
-from subsea.base.pictures import in_srgb
+from subsea.base.pictures import in_srgb, naming_faults
 from subsea.stage.theatre.channels import ProjectorChannel
 from subsea.view.structured_light import LightPattern, light_patterns
 
@@ -84,16 +84,11 @@ def ordered(folder: Path, steps: Sequence[LightStep]) -> list[Path]:
 
 def read_photograph(path: Path) -> Bytes:
     """Read a photograph (h, w, 3) in sRGB, upright as programs show it."""
-    try:
-        with Image.open(path) as image:
-            if image.width * image.height > MAX_PIXELS:
-                message = f"{image.width}×{image.height} pixels, expected {MAX_PIXELS} at most"
-                raise UserError(message, file=path)
-            return np.asarray(in_srgb(ImageOps.exif_transpose(image)).convert("RGB"))
-    except UserError:
-        raise
-    except Exception as fault:  # Pillow raises nearly anything for a damaged file
-        raise UserError("not a readable photograph", file=path) from fault
+    with naming_faults("photograph", path), Image.open(path) as image:
+        if image.width * image.height > MAX_PIXELS:
+            message = f"{image.width}×{image.height} pixels, expected {MAX_PIXELS} at most"
+            raise UserError(message, file=path)
+        return np.asarray(in_srgb(ImageOps.exif_transpose(image)).convert("RGB"))
 
 
 def _photographs(folder: Path) -> list[Path]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from subsea.base.errors import UserError
+from subsea.base.pictures import naming_faults
 
 MAX_PICTURE = 256 * 2**20  # bytes of a file
 MAX_PIXELS = 2**24  # of a picture, which may be packed into far fewer bytes: 4096 by 4096
@@ -53,23 +54,18 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
     upper 8 bits of each colour of a coloured one: as fine as the pictures that it is to blend.
     """
     grey: NDArray[np.float32]
-    try:
-        with Image.open(io.BytesIO(data), formats=("PNG",)) as image:
-            if image.width * image.height > MAX_PIXELS:
-                raise UserError(
-                    f"{image.width}×{image.height} pixels, expected {MAX_PIXELS} at most",
-                    file=where,
-                )
-            if image.mode.startswith("I"):
-                grey = np.asarray(image).astype(np.float32) / np.float32(65535)
-            elif image.mode in ("1", "L", "LA"):
-                grey = np.asarray(image.convert("L"), np.float32) / np.float32(255)
-            else:
-                return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
-    except UserError:
-        raise
-    except Exception as fault:  # Pillow raises nearly anything for a damaged file
-        raise UserError("not a readable PNG picture", file=where) from fault
+    opened = naming_faults("PNG picture", where)
+    with opened, Image.open(io.BytesIO(data), formats=("PNG",)) as image:
+        if image.width * image.height > MAX_PIXELS:
+            raise UserError(
+                f"{image.width}×{image.height} pixels, expected {MAX_PIXELS} at most", file=where
+            )
+        if image.mode.startswith("I"):
+            grey = np.asarray(image).astype(np.float32) / np.float32(65535)
+        elif image.mode in ("1", "L", "LA"):
+            grey = np.asarray(image.convert("L"), np.float32) / np.float32(255)
+        else:
+            return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
     grey = np.clip(grey, 0.0, 1.0)
     return np.broadcast_to(grey[..., None], (*grey.shape, 3))  # a third of the memory
 
