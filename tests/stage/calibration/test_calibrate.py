@@ -25,7 +25,8 @@ def calibrated(path, folder):
     """Calibrate a theatre; returns the new one, its channels, and what was printed."""
     out, err = io.StringIO(), io.StringIO()
     with redirect_stdout(out), redirect_stderr(err):
-        assert subsea(["theatre", str(path), "--calibrate", str(folder)]) == 0
+        code = subsea(["theatre", str(path), "--calibrate", str(folder)])
+    assert code == 0, err.getvalue()
     theatre, path = load_theatre(str(path.with_name("room-calibrated.toml")))
     channels, faults = usable_channels(theatre, path)
     assert not faults

@@ -122,6 +122,11 @@ def lines_up_the_left_projector(presenter, file):
         answer = presenter.ask("/api/commands", {"command": f"line-up-{command}", **values})
         assert answer[0] == 200, answer
 
+    def fault():
+        told = presenter.ask("/api/state")[1]["fault"]
+        return told and told["text"]
+
+    told = fault()  # a computer may have no sound
     ask("edit", on=True)
     ask("show", pattern="grid", others="full")
     ask("choose", channel="left", point="lower_right")
@@ -135,7 +140,7 @@ def lines_up_the_left_projector(presenter, file):
     ask("redo")
     ask("save")
     _, state, _ = presenter.ask("/api/state")
-    assert not state["projectors"]["unsaved"] and state["fault"] is None
+    assert not state["projectors"]["unsaved"] and fault() == told
     assert "corners_px" in file.read_text() and file.with_name("hall.toml.bak").exists()
     ask("edit", on=False)
 
