@@ -51,6 +51,8 @@ class LampLens:
         ahead = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.nan)
         middle = np.array(self.size) / 2
         straight = (seen[:, :2] / ahead[:, None] / self.half - self.shift) * [1, -1] * middle
+        # Far beyond the picture the distortion has no way back.
+        straight[(np.abs(straight) > 1.3 * middle).any(axis=1)] = np.nan
         away = straight.copy()
         for _ in range(8):  # the distortion backwards
             far = (away**2).sum(axis=1, keepdims=True) / (middle @ middle)
