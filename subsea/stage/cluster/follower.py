@@ -23,6 +23,8 @@ from subsea.world.world import World
 CALL_S = 1.0  # interval of calls to a silent master
 SILENT_S = 1.0  # shortest silence that counts, as a master may draw slowly
 HURRY_S = 0.25  # longest time without a picture while a node catches up
+ENDED = 3  # connections that end before they begin, after which a node says so
+NO_KEYS = "one uses keys and the other does not, or it is another program"
 
 
 class Follower:
@@ -59,14 +61,14 @@ class Follower:
         self._heard: deque[messages.FromMaster] = deque()
         self._heard_s = self._called_s = -math.inf
         self._garbled = False
+        self._ended = 0  # connections without a handshake since it last heard the master
         self._context: Any = zmq.Context()
         try:
             limit = max(snapshot.size_limit(world), messages.LINE_UP) + messages.SMALL
-            self._socket = link.calling(self._context, address, keys, master, limit)
+            self._socket, self._failures = link.calling(self._context, address, keys, master, limit)
         except BaseException:
             self._context.term()
             raise
-        self._failures = link.failures(self._socket)
         self._wait_for(f"waiting for the master at {address}")
 
     def picture(self, patience_s: float) -> float | None:
@@ -187,8 +189,10 @@ class Follower:
     def _call(self) -> None:
         """Call the master if it is silent or its state is needed."""
         now, silent = time.monotonic(), self._silent()
-        if silent:
+        if silent and self._ended < ENDED:
             self._wait_for(f"waiting for the master at {self._address}")
+        elif silent:
+            self._wait_for(f"at {self._address} each connection ends as it begins: {NO_KEYS}")
         if (silent or not self._dive) and now - self._called_s > CALL_S:
             tick = self.world.state.tick if self._joined else 0
             if self._say(messages.Hello(self._name, self._identity, self._dive, tick)):
@@ -219,14 +223,18 @@ class Follower:
                 if time.monotonic() >= end:
                     return None
                 continue
-            self._heard_s = time.monotonic()
+            self._heard_s, self._ended = time.monotonic(), 0
             if isinstance(message, messages.Refused):
                 raise UserError(message.reason)
             return message
         return None
 
     def _refuse_failures(self) -> None:
-        """Raise a UserError if master and node cannot agree on keys."""
+        """Raise a UserError if master and node cannot agree on keys.
+
+        If one uses keys and the other does not, the connection mostly ends without a detail: that
+        may also be a master that has just gone.
+        """
         while why := link.failed(self._failures):
             if why == link.AUTH:
                 raise UserError(
@@ -234,9 +242,9 @@ class Follower:
                 )
             if why == link.PROTOCOL:
                 raise UserError(
-                    f"at {self._address} there is no master that this node can talk to: one uses "
-                    "keys and the other does not, or it is another program"
+                    f"at {self._address} there is no master that this node can talk to: {NO_KEYS}"
                 )
+            self._ended += 1
 
     def _say(self, message: messages.FromNode) -> bool:
         """Send to the master; False if there is no connection."""

@@ -59,35 +59,30 @@ def listening(
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
     socket.rcvhwm = UNREAD
-    with _closed_if_not(socket, f"address {address}: cannot listen there"):
+    with _monitored(socket, f"address {address}: cannot listen there") as monitor:
         # Raise when sending to a node that has gone or no longer reads.
         socket.router_mandatory = True
         if keys:
             socket.curve_server = True
             socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
         socket.bind(where)
-    return socket, failures(socket)
+    return socket, monitor
 
 
 def calling(
     context: "zmq.Context[Any]", address: str, keys: Keys | None, master: str, limit: int
-) -> Any:
-    """The socket of a node, which reconnects until the master answers."""
+) -> tuple[Any, Any]:
+    """Call as a node until the master answers; return the socket, and one as of `listening`."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.DEALER, limit)
-    with _closed_if_not(socket, f"address {address}: cannot call there"):
+    with _monitored(socket, f"address {address}: cannot call there") as monitor:
         socket.immediate = True  # drop messages while not connected
         socket.reconnect_ivl, socket.reconnect_ivl_max = 100, 1000
         if keys:
             socket.curve_serverkey = keys.others[master]
             socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
         socket.connect(where)
-    return socket
-
-
-def failures(socket: Any) -> Any:
-    """A socket that reports failed handshakes; see `failed`."""
-    return socket.get_monitor_socket(AUTH | PROTOCOL | NO_DETAIL)
+    return socket, monitor
 
 
 def failed(monitor: Any) -> int:
@@ -98,14 +93,18 @@ def failed(monitor: Any) -> int:
 
 
 @contextmanager
-def _closed_if_not(socket: Any, fault: str) -> Iterator[None]:
-    """Turn a ZMQError into a UserError and close the socket, so that its context can end.
+def _monitored(socket: Any, fault: str) -> Iterator[Any]:
+    """Give a socket that reports handshakes that `failed`, to make before the first of them.
 
-    At power-on the network may come later than the dive: that error is a TransientError.
+    Turns a ZMQError into a UserError and closes both sockets, so that their context can end. At
+    power-on the network may come later than the dive: that error is a TransientError.
     """
+    monitor = socket.get_monitor_socket(AUTH | PROTOCOL | NO_DETAIL)
     try:
-        yield
+        yield monitor
     except zmq.ZMQError as reason:
+        monitor.close(0)
+        socket.disable_monitor()
         socket.close(0)
         late = reason.errno in (errno.EADDRNOTAVAIL, errno.ENODEV, errno.EADDRINUSE)
         kind = TransientError if late else UserError
