@@ -90,6 +90,7 @@ def test_pacifists_feed_on_untroubled(hunt):
     assert not (intention[:, peaceful] == ESCAPE).any()
 
 
+@pytest.mark.nightly
 def test_the_first_to_bite_is_drawn_up():
     world = create_world(load_scenario("go-fish")[0])
     sea, fishes, minds = world.state.sea, world.state.fishes, world.state.minds

@@ -79,6 +79,7 @@ def test_a_school_rests_its_share_of_the_time(tank, rest):
     assert np.mean(np.abs(levels - late) > 0.5) < 0.05
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("stride", [1, 8])
 def test_noise_has_unit_variance_and_the_time_constant_of_the_rules(tank, stride):
     """However often a fish thinks."""

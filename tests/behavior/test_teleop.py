@@ -67,6 +67,7 @@ def speed(world, fish=FISH):
     return own @ ahead(fishes, fish) / fishes.length[fish]
 
 
+@pytest.mark.nightly
 def test_it_turns_and_rises_as_asked_by_its_own_strokes(world):
     steered(world, 2.0, speed=0.6)
     straight, _ = steered(world, 2.0, speed=0.6)
@@ -107,6 +108,7 @@ def test_it_speeds_up_stops_and_backs_off(world):
     assert np.mean(backing) < -0.1
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", only(["peaceful"], ["peaceful", "visitors"]))
 def test_it_keeps_clear_of_stone_sand_and_the_sea_s_bounds_however_it_is_steered(name):
     # Remove plankton and seaweed: slow, and irrelevant here.
@@ -190,6 +192,7 @@ def test_a_dead_fish_is_not_steered_and_an_unknown_one_is_a_fault(world):
         step(world, TeleopCommand(60))
 
 
+@pytest.mark.nightly
 def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator():
     world = create_world(load_scenario("schooling", ["seaweed=[]", 'fish.0.school="leader"'])[0])
     fishes, minds = world.state.fishes, world.state.minds

@@ -47,6 +47,7 @@ def test_individual_settings_draw_no_random_number():
     assert minds.mental[5, :2] == pytest.approx([0.25, 0.75], abs=0.03)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", only(["mating"], ["peaceful", "mating", "preying"]))
 def test_fishes_may_become_others_while_diving(name):
     """A change of kind or sex during any behavior leaves no index with the wrong meaning."""

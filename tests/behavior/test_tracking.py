@@ -99,6 +99,7 @@ def nearest(world, seconds):
     return least
 
 
+@pytest.mark.nightly
 def test_a_wrasse_finds_a_bait_from_ten_metres_downstream():
     world = a_bait((400.0, 0.0, -250.0))
     assert nearest(world, 260.0) < 100.0

@@ -136,6 +136,7 @@ def test_a_body_that_slides_sideways_carries_its_water():
     assert track.velocity[1, 1] == pytest.approx(1 / (1 / 5.0 + loss * 0.002), rel=1e-3)
 
 
+@pytest.mark.nightly
 def test_a_steady_beat_repeats_and_its_step_hardly_matters():
     fine, coarse = (steady_beat(ribbon(0.1, times=times), PERIOD, 20.0) for times in (384, 96))
     assert coarse.stride == pytest.approx(fine.stride, rel=1e-4)

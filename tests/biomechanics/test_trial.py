@@ -56,6 +56,7 @@ def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species):
     assert len(trial.frames) == beats * species.swim.at("medium").ticks_per_beat + 1
 
 
+@pytest.mark.nightly
 def test_swimming_speed_follows_the_desired_speed(species):
     """swim-MC: any speed within reach, between the amplitudes that were measured too."""
     body, swim = build_body(species.body), species.swim

@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 from subsea.cli import doctor as doctor_command
 from subsea.cli.main import main
 
@@ -23,6 +25,7 @@ def doctor(**environment):
     return done.returncode, done.stdout.splitlines()
 
 
+@pytest.mark.nightly
 def test_with_a_display_a_dive_is_possible_at_a_quality_for_the_renderer(display):
     code, lines = doctor(DISPLAY=display)
     assert code == 0, lines
@@ -35,6 +38,7 @@ def test_with_a_display_a_dive_is_possible_at_a_quality_for_the_renderer(display
     assert line.endswith("computes pictures without a GPU; holds 50 ms")
 
 
+@pytest.mark.nightly
 def test_without_a_display_it_says_what_still_works():
     code, lines = doctor()
     assert code == 1
@@ -44,6 +48,7 @@ def test_without_a_display_it_says_what_still_works():
         assert f"{part:<10} works" in lines
 
 
+@pytest.mark.nightly
 def test_an_unwritable_cache_is_reported(tmp_path):
     _, lines = doctor(NUMBA_CACHE_DIR="/proc/nowhere")
     assert any("NUMBA_CACHE_DIR" in line for line in lines)

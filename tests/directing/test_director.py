@@ -325,6 +325,7 @@ def test_any_directions_leave_the_world_valid_and_repeatable(tmp_path, data):
     assert to_scenario(one) == scenario  # directions do not change the exported scenario
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", only([7], [3, 7]))
 def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
     spec = spec_from_file_location("figures", ROOT / "docs/rendezvous_figures.py")

@@ -62,6 +62,7 @@ machines = st.builds(
 )
 
 
+@pytest.mark.nightly
 @given(cost=machines, begin=st.sampled_from([0, LOW, HIGH]), seed=st.integers(0, 2**31))
 @example(cost=costs(9.4, 0.5, 2.4, 1.1), begin=LOW, seed=1)  # medium looks affordable, and is not
 def test_the_quality_settles_at_the_target(cost, begin, seed):
@@ -75,6 +76,7 @@ def test_the_quality_settles_at_the_target(cost, begin, seed):
         assert cost[pace.rung] * max(pace.ratios[pace.rung], 1.0) > (QUICK - 0.06) * TARGET_MS
 
 
+@pytest.mark.nightly
 @settings(max_examples=examples(8))
 @given(cost=machines, seed=st.integers(0, 2**31))
 @example(cost=costs(20.0, 0.625, 2.0, 2.0), seed=0)  # the next rung looks unaffordable, and is not

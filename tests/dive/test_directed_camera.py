@@ -150,6 +150,7 @@ def test_the_camera_follows_the_cast_and_waits_without_one(tmp_path):
     np.testing.assert_allclose(world.state.submarine.angles, before, atol=0.1)
 
 
+@pytest.mark.nightly
 def test_the_camera_avoids_obstacles_on_its_way(tmp_path):
     world = world_of(tmp_path, BEYOND)
     sea, boat = world.state.sea, world.state.submarine

@@ -73,6 +73,7 @@ def test_without_a_fish_in_sight_the_nearest_is_chosen(world):
     fishes.alive[:] = alive
 
 
+@pytest.mark.nightly
 def test_the_view_of_a_ride_is_steadier_than_the_head(world):
     world = create_world(load_scenario("peaceful")[0], fish=60)
     rides = [Ride(world, fish) for fish in range(0, 60, 6)]
@@ -228,6 +229,7 @@ def resize(boat, size):
     User.until(boat, lambda: boat.window.size == size)
 
 
+@pytest.mark.nightly
 def test_keys_control_a_ride(boat):
     User.do("key", "r")
     User.until(boat, lambda: boat.pilot.riding)

@@ -181,6 +181,7 @@ def test_the_autopilot_frames_hunter_and_prey_and_the_hunter_while_they_are_far_
     assert far[3] == pytest.approx(PORTRAIT * 100.0, abs=0.1)
 
 
+@pytest.mark.nightly
 def test_the_autopilot_looks_at_a_shoal_and_a_large_fish_by_turns(world):
     fishes, tour, kinds = world.state.fishes, Tour(), []
     fishes.length[:] = 12.0
@@ -285,6 +286,7 @@ def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
     assert np.linalg.norm(there - world.state.sea.hook) < 250.0
 
 
+@pytest.mark.nightly
 def test_the_autopilot_approaches_the_largest_shoal(pytestconfig):
     """While no pair dances, which is more interesting."""
     seen = []

@@ -102,6 +102,7 @@ def test_each_part_is_compiled_once_and_then_no_more(tmp_path):
     assert _jobs(tmp_path) == sorted(JOBS)
 
 
+@pytest.mark.nightly
 def test_of_two_at_once_one_waits_for_what_the_other_compiles(tmp_path):
     first = _program(tmp_path, "warm_up.JOBS = {'waiting': None}; run(told, processes=2)")
     assert "once: 0/" in first.stdout.readline()

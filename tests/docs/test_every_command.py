@@ -1,12 +1,11 @@
-"""Every command that a page of the documentation tells to type is typed, in a short form.
+"""Every command that a page of the documentation tells to type is read by its parser.
+
+At night it is typed, too, in a short form.
 
 In this process, in a folder with all that pages take for granted: a photograph, a record, a sea, a
 theatre, a fish of one's own. Seas are small and pictures tiny; what else is short is in `SHORT`. A
 command that stands in a sentence without what it needs (`subsea film`) is read by its parser; so is
-an example of `commands.md`, which comes last, if it has nothing that was not typed before. Every
-day commands are typed until each kind of output was made that no other test makes (`ELSEWHERE`),
-with those that make their files, and a page's first block of Python; the others are parsed, and
-`make nightly` types them.
+an example of `commands.md`, which comes last, if it has nothing that was not typed before.
 """
 
 import argparse
@@ -138,45 +137,9 @@ MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be the
     "subsea-capture inspect": (0, 1),
     "subsea doctor": (0, 1),
 }
-ELSEWHERE = {  # kinds of output, as of `kinds_of`, that another test has the program make every day
-    ("subsea", "benchmark", ""): "lab/test_benchmark.py",
-    ("subsea", "benchmark", "--json"): "lab/test_benchmark.py",
-    ("subsea", "benchmark", "--paper"): "lab/test_paper_tables.py",
-    ("subsea", "convert", ""): "lab/test_tracks.py",
-    ("subsea", "convert", "--to deeplabcut"): "lab/test_tracks.py",
-    ("subsea", "convert", "--to idtrackerai"): "lab/test_tracks.py",
-    ("subsea", "convert", "--to movement"): "lab/test_tracks.py",
-    ("subsea", "convert", "--to trajr"): "lab/test_tracks.py",
-    ("subsea", "dataset", ""): "lab/dataset/test_dataset.py",
-    ("subsea", "doctor", ""): "cli/test_doctor.py",
-    ("subsea", "export", ""): "export/test_recording.py",
-    ("subsea", "export", "--to gltf"): "export/test_gltf_scene.py",
-    ("subsea", "export", "--to usd"): "export/test_recording.py",
-    ("subsea", "export", "--to web"): "export/test_web.py",
-    ("subsea", "film", "--eyes"): "media/test_eye_frames.py",
-    ("subsea", "soak", ""): "lab/test_soak.py",
-    ("subsea", "soak", "--json"): "lab/test_soak.py",
-    ("subsea", "study", "--validate"): "lab/test_validation.py",
-    ("subsea", "sweep", ""): "lab/test_sweep.py",
-    ("subsea", "sweep", "--csv"): "lab/test_sweep.py",
-    ("subsea", "theatre", "--new"): "stage/theatre/test_theatre_plan.py",
-    ("subsea-capture", "export", ""): "export/test_capture_export_command.py",
-    ("subsea-capture", "export", "--to gltf"): "export/test_capture_export_command.py",
-    ("subsea-capture", "export", "--to usd"): "export/test_capture_export_command.py",
-    ("subsea-capture", "export", "--to vat"): "export/test_capture_export_command.py",
-    ("subsea-capture", "flat", ""): "capture/cli/test_flat.py",
-    ("subsea-capture", "flat", "--plots"): "capture/cli/test_flat.py",
-    ("subsea-capture", "inspect", ""): "capture/cli/test_main.py",
-    ("subsea-capture", "learn", ""): "capture/learning/test_learn.py",
-    ("subsea-capture", "record", ""): "capture/recording/test_batch.py",
-    ("subsea-capture", "validate", ""): "capture/cli/test_validate.py",
-    ("subsea-capture", "validate", "--json"): "capture/cli/test_validate.py",
-    ("subsea-capture", "validate", "--plots"): "capture/cli/test_validate.py",
-}
 PROGRAMS_OF_OURS = {"subsea": main, "subsea-capture": capture_cli}
 NEED_MORE = ["subsea", "study"], ["subsea-capture", "learn"]  # records, or a species
 COMMANDS = "commands.md"  # its examples are made from the programs' own help
-WRITES = re.compile(r"--(?:out|plots|films|json) [^\s-]\S*")  # options that name what is made
 WINDOWS = "subsea build", "subsea skin"  # which a hand would close
 SEAS = "dive", "film", "simulate", "benchmark", "soak"
 
@@ -226,7 +189,7 @@ class Workshop:
     """The folder in which commands are typed, and which of them have been."""
 
     def __init__(self, folder):
-        self.folder, self.done, self.kinds = folder, set(), set(ELSEWHERE)
+        self.folder, self.done = folder, set()
         for name in ("assets", "repertoires"):
             (folder / name).symlink_to(ROOT / name)
         (folder / "docs").mkdir()
@@ -272,28 +235,6 @@ class Workshop:
         write_repertoire(own / "repertoires/few.h5", replace(motion, species="few", segments=few))
         shutil.copy(ROOT / "assets/species/moon_wrasse.toml", self.folder / "some/fish.toml")
         shutil.copy(self.folder / "some/fish.toml", self.folder / "my_fish.toml")
-
-    def first_of_their_kinds(self, steps):
-        """Choose the steps with the first command of a kind, and those that make its files."""
-        read = ""
-        of_python = [one for one in steps if not isinstance(one, Command) and one.kind == "python"]
-        commands = [one for one in steps if isinstance(one, Command)]
-        chosen = [one for one in steps if one not in commands and one not in of_python[1:]]
-        for step in sorted(commands, key=lambda one: -len(kinds_of(one.text))):
-            kinds = kinds_of(step.text)
-            if not kinds <= self.kinds:
-                chosen.append(step)
-            if not step.inline or is_whole(step.text):
-                self.kinds |= kinds
-        for step in reversed(steps):
-            made = re.findall(r"(?<=--out )\S+", step.text) or re.findall(
-                r"[\w/-]+\.\w+|(?<=film )[\w/-]+|(?<=keys )[\w/-]+", step.text
-            )
-            if step not in chosen and any(name in read for name in made):
-                chosen.append(step)
-            if step in chosen:
-                read += WRITES.sub("", step.text)
-        return chosen
 
     def take(self, step, only_read=False):
         """Type a command, save a file, or run a block of Python; an AssertionError if it fails."""
@@ -393,25 +334,6 @@ class Workshop:
             code = program.main(words[1:])
         allowed = (130, 0) if name in WINDOWS or "--node" in words else MAY_FAIL.get(name, (0,))
         assert code in allowed, f"exit code {code} of {shlex.join(words)}\n{told.getvalue()}"
-
-
-def kinds_of(text):
-    """Return the kinds of output of a command: of itself, and of each option that tells one."""
-    words = text.removeprefix(".venv/bin/").split()
-    outputs = r"--(?:to \w+|as \w+|json|csv|paper|auto|validate|plots|new|eyes)\b"
-    return {(*words[:2], output) for output in ("", *re.findall(outputs, text))}
-
-
-def is_whole(text):
-    """Return True if a command in a sentence has all that its parser needs."""
-    name, *words = shlex.split(text.removeprefix(".venv/bin/"), comments=True)
-    if name not in PROGRAMS_OF_OURS or [name, *words] in NEED_MORE:
-        return False
-    try:
-        parse_arguments(*PROGRAMS_OF_OURS[name].parsers(), words)
-    except (UserError, SystemExit):
-        return False
-    return True
 
 
 def options_in(words):
@@ -613,8 +535,8 @@ def workshop(display, tmp_path_factory, known_repertoire, known_turns):
 
 @pytest.mark.parametrize("page", sorted(PAGES, key=lambda page: page == COMMANDS))
 def test_all_that_a_page_tells_to_do_can_be_done(workshop, page, capsys, pytestconfig):
-    folder, every = workshop.folder, steps(page)
-    chosen = every if pytestconfig.getoption("--nightly") else workshop.first_of_their_kinds(every)
+    folder = workshop.folder
+    only_read = not pytestconfig.getoption("--nightly")
     for name in ("keys", "seen"):  # other pages have others
         shutil.rmtree(folder / name, ignore_errors=True)
     (folder / "my.toml").write_text(SEA)
@@ -623,10 +545,10 @@ def test_all_that_a_page_tells_to_do_can_be_done(workshop, page, capsys, pytestc
             if step.kind == "toml":
                 workshop.take(step)
     failed = []
-    for step in every:
+    for step in steps(page):
         capsys.readouterr()
         try:
-            workshop.take(step, step not in chosen)
+            workshop.take(step, only_read)
         except (Exception, SystemExit) as fault:
             what = step.text if isinstance(step, Command) else step.kind
             said = capsys.readouterr().err.strip().splitlines()[-3:]
@@ -692,12 +614,6 @@ def test_what_is_not_typed_is_in_some_page():
         assert any(f"{text} ".startswith(f"{one} ") for text in typed), (
             f"no page has `{one}` any more"
         )
-
-
-def test_what_is_made_elsewhere_is_in_some_page():
-    typed = [step.text for page in PAGES for step in steps(page) if isinstance(step, Command)]
-    assert set().union(*map(kinds_of, typed)) >= ELSEWHERE.keys()
-    assert all((ROOT / "tests" / path).is_file() for path in ELSEWHERE.values())
 
 
 def test_no_two_pages_have_one_name():

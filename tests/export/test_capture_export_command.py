@@ -31,6 +31,7 @@ def quick(monkeypatch):
     monkeypatch.setattr("subsea.export.clips.make_clips", few)
 
 
+@pytest.mark.nightly
 def test_each_format_prints_a_line_for_each_file(tmp_path, capsys):
     vat = ["fusilier_vat.png", "fusilier_basecolor.png", "fusilier.glb", "fusilier-remap_info.json"]
     for form, files in (
@@ -48,6 +49,7 @@ def test_each_format_prints_a_line_for_each_file(tmp_path, capsys):
         assert {path for path in out.rglob("*") if path.is_file()} == {out / one for one in files}
 
 
+@pytest.mark.nightly
 def test_detail_and_root_reach_the_files(tmp_path):
     small = ["export", "fusilier", "--to", "vat", "--detail", "3"]
     assert main([*small, "--out", str(tmp_path / "a")]) == 0
@@ -116,6 +118,7 @@ def test_an_interrupted_export_leaves_nothing(tmp_path, monkeypatch, capsys):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.nightly
 def test_a_full_disk_leaves_nothing(tmp_path, capsys):
     """The first files fit, the last ones fail."""
     best_shares(np.eye(2), 2)  # or the limit would keep its kernel from the cache

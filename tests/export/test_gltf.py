@@ -101,6 +101,7 @@ def test_joints_move_the_mesh_as_playback_does(
     assert len(rig.joints) <= 30
 
 
+@pytest.mark.nightly
 def test_levels_are_other_meshes_on_the_same_joints(
     tmp_path: Path, khronos: Callable[[Path], dict[str, Any]]
 ) -> None:
@@ -144,6 +145,7 @@ def test_morph_targets_are_exact(fitted: Exported, files: tuple[Path, Path]) -> 
     assert off_percent(reader, model, clips[0], 0.5).max() < 0.3
 
 
+@pytest.mark.nightly
 def test_the_validator_has_no_objection(
     known: str,
     fitted: Exported,

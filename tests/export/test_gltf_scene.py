@@ -205,6 +205,7 @@ def test_textures_hold_the_points_of_each_fish(
         np.testing.assert_allclose(texel[:, 1] * len(texels), 0.5, atol=1e-3)
 
 
+@pytest.mark.nightly
 def test_the_validator_has_no_objection(
     files: dict[tuple[str, str], Path], khronos: Callable[[Path], dict[str, Any]]
 ) -> None:

@@ -106,6 +106,7 @@ def test_the_stage_is_sound(name: str, prim: str, tmp_path: Path) -> None:
     assert stage.GetDefaultPrim().GetName() == prim
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("baked", [False, True])
 def test_a_skeleton_moves_the_mesh_as_playback_does(baked: bool, tmp_path: Path) -> None:
     """To the errors of the fit, by OpenUSD's own skinning, in a fraction of the bytes."""

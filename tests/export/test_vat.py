@@ -52,6 +52,7 @@ def _y_up(blender: np.ndarray) -> np.ndarray:
 
 
 # The widest ranges and the longest fishes; OpenUSD reads all of them (`test_usd.py`).
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "known",
     only(
@@ -79,6 +80,7 @@ def test_decoded_frames_equal_playback(known: str, tmp_path: Path) -> None:
     assert frames == read.ranges["Frames"]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", only(["spotted_eagle_ray"], ["fusilier", "spotted_eagle_ray"]))
 def test_the_root_may_be_baked(name: str, tmp_path: Path) -> None:
     model, clips = exported(name)
@@ -167,6 +169,7 @@ def test_a_16_bit_picture_is_read_back_unchanged(tmp_path: Path) -> None:
     np.testing.assert_array_equal(texels, kept)
 
 
+@pytest.mark.nightly
 def test_the_shader_of_the_documentation_decodes_it(tmp_path: Path) -> None:
     """Run as it is printed, on a texture of 16 bits."""
     text = (Path(__file__).parents[2] / "docs/developers/export-figures.md").read_text(

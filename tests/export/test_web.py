@@ -185,6 +185,7 @@ def test_fishes_and_water_are_where_the_dive_has_them(written, opened):
     assert compared >= 2
 
 
+@pytest.mark.nightly
 def test_a_click_a_tap_and_the_list_choose_a_fish(written, opened):
     opened.run(f"viewer.seek({(FRAMES - 1) / FPS}); viewer.draw()")
     counts = np.bincount(written.number[written.number >= 0])
@@ -229,6 +230,7 @@ def test_the_list_of_fishes_works_by_keyboard_and_is_read_aloud(written, opened)
     opened.until("document.getElementById('chosen').textContent === ''")
 
 
+@pytest.mark.nightly
 def test_it_plays_shows_captions_and_looks_from_other_places(opened):
     assert opened.run("document.getElementById('caption').textContent") == ""
     opened.run("document.getElementById('play').click()")
@@ -257,6 +259,7 @@ def test_it_plays_shows_captions_and_looks_from_other_places(opened):
     assert opened.run(eye) == pytest.approx(filmed)
 
 
+@pytest.mark.nightly
 def test_in_a_frame_it_has_no_bars(page, site):
     page.open(f"{site}?embed")
     page.until("window.viewer !== undefined")
@@ -285,6 +288,7 @@ def test_a_loop_goes_on_without_a_seam(opened):
     assert opened.run("viewer.water.uniforms.u_time.value") == pytest.approx(START_S + length + 0.2)
 
 
+@pytest.mark.nightly
 def test_light_falls_in_the_shafts_of_the_dive(written, opened):
     """The map of light about the sun is the one that the dive's renderer has drawn."""
     opened.run(f"viewer.seek({(FRAMES - 1) / FPS}); viewer.draw()")
@@ -315,6 +319,7 @@ def test_it_speaks_the_language_of_the_browser(page, site):
         page.call("Emulation.setUserAgentOverride", userAgent=agent, acceptLanguage="en")
 
 
+@pytest.mark.nightly
 def test_it_says_what_is_wrong(page, site, written, tmp_path):
     text = "document.getElementById('message').textContent"
     hook = page.call("Page.addScriptToEvaluateOnNewDocument",

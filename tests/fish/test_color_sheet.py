@@ -66,6 +66,7 @@ def test_a_sheet_is_assigned_and_the_rest_of_the_file_stays(own):
     np.testing.assert_array_equal(sheet_of(load_species("guppy")), sheet[::-1])
 
 
+@pytest.mark.nightly
 def test_any_species_file_takes_the_key(tmp_path):
     sheet = picture()
     for name in species_names():

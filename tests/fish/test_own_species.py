@@ -87,6 +87,7 @@ def test_a_name_is_a_word(name):
         own_species_file(name)
 
 
+@pytest.mark.nightly
 def test_a_damaged_species_does_not_affect_others(home, checkout, capsys):
     text = resource_path("assets/scenarios/peaceful.toml").read_text()
     own_scenarios().mkdir(parents=True)
@@ -143,6 +144,7 @@ def test_from_a_copied_file_to_a_fish_in_a_sea(home, known_turns, capsys):
     assert line.startswith("ok") and "own species in" in line
 
 
+@pytest.mark.nightly
 def test_one_recording_of_a_shipped_and_an_own_one_and_names_for_every_command(
     home, checkout, capsys, known_turns, monkeypatch
 ):
@@ -167,6 +169,7 @@ def test_one_recording_of_a_shipped_and_an_own_one_and_names_for_every_command(
     assert (out / "frames/box_swim_fast_0000.obj").exists()
 
 
+@pytest.mark.nightly
 def test_learning_writes_into_its_own_file(home, capsys):
     """Whatever is found, only the user's file may change."""
     before = WRASSE.read_bytes()

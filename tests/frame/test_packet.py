@@ -175,6 +175,7 @@ def test_without_simulated_fishes_the_packet_has_no_rows(world):
     assert len(_pack(world).live_points) == 0
 
 
+@pytest.mark.nightly
 def test_a_fish_that_was_out_of_sight_comes_back_as_its_seen_twin():
     """Views change no fish: place, roll and pose are those of a fish always seen.
 

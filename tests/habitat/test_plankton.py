@@ -1,6 +1,7 @@
 """Plankton: it drifts with the water, past what stands there, is eaten and comes again."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -53,6 +54,7 @@ def test_stays_in_the_sea_whatever_the_current(make_sea, vx, vy, seed):
     assert sea.plankton[:, 2].max() <= -CLEARANCE_CM + 1e-3
 
 
+@pytest.mark.nightly
 @given(st.floats(-60, 60), st.floats(-60, 60), st.integers(0, 1000))
 def test_none_ever_enters_a_pillar_or_a_rock(make_sea, vx, vy, seed):
     sea = make_sea(_scattered(150, seed, PILLARS, ROCKS), PILLARS, ROCKS)

@@ -68,6 +68,7 @@ def test_changed_callees_are_noticed_in_either_order_of_import(imports):
 OURS, NUMBA = "from subsea.geometry.vector import dot", "from numba import njit"
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "imports", only([f"{OURS}\n{NUMBA}"], [f"{OURS}\n{NUMBA}", f"{NUMBA}\n{OURS}"])
 )

@@ -50,6 +50,7 @@ def test_reading_returns_the_written_record(record):
     assert read.alarmed == 0.5
 
 
+@pytest.mark.nightly
 def test_the_command_prints_writes_and_draws(record, tmp_path, capsys):
     out, report = tmp_path / "plots", tmp_path / "report.json"
     assert main(["study", str(record), "--out", str(out), "--json", str(report)]) == 0
@@ -166,6 +167,7 @@ def test_a_result_never_takes_the_place_of_the_record(damaged, tmp_path, monkeyp
     assert list(drawn.parent.iterdir()) == [drawn]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("when", ["measuring", "drawing"])
 def test_ctrl_c_leaves_no_result(record, tmp_path, monkeypatch, capsys, when):
     """Ctrl-C in the middle of a measure or plot takes effect after it."""

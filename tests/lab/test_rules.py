@@ -69,6 +69,7 @@ def test_a_rule_in_place_of_ours_is_wanted_as_ours_is():
     assert (mine.fishes.goal_speed[~schooling] == ours.fishes.goal_speed[~schooling]).all()
 
 
+@pytest.mark.nightly
 def test_plain_and_compiled_rules_are_the_same():
     plain, fast = bare(always(to_the_middle)), bare(always(compiled_to_the_middle))
     for world in (plain, fast):

@@ -76,6 +76,7 @@ def test_a_soak_repeats_equally_without_pictures(short, report, capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "sound"
 
 
+@pytest.mark.nightly
 def test_soaks_of_different_length_are_compared_by_common_minutes(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(soak, "MINUTE", 40)
     report = tmp_path / "soak.json"

@@ -213,6 +213,7 @@ def test_a_cluster_changes_no_byte(whole, tmp_path, monkeypatch):
             assert (theirs / path.relative_to(ours)).read_bytes() == path.read_bytes()
 
 
+@pytest.mark.nightly
 def test_a_program_gives_a_cluster_or_a_client(whole, tmp_path):
     given = {"seeds": (1, 2), "seconds": 0.066, "values": {"fish.1.number": (1, "2")}}
     with local_cluster() as cluster:
@@ -313,6 +314,7 @@ def lines_of(out):
     return journal.read_bytes().count(b"\n") if journal.is_file() else 0
 
 
+@pytest.mark.nightly
 def test_ctrl_c_keeps_the_finished_runs(tmp_path, capsys):
     out = tmp_path / "out"
     command = [sys.executable, "-m", "subsea", *COMMAND, "--jobs", "1", "--out", str(out)]

@@ -119,6 +119,7 @@ def test_a_direction_survives_in_a_film(name, codec, way, tmp_path):
     assert degrees < 2.0
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("one_context")
 def test_a_film_has_opacity_where_things_are(tmp_path):
     out = tmp_path / "fish.png"

@@ -93,6 +93,7 @@ def test_a_single_picture_is_unchanged_and_several_are_averaged_in_light():
     assert LIGHT[188] == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("one_context")
 def test_a_blurred_picture_is_as_bright_and_smoother(tmp_path):
     """Of the same moment: the sea is taken in the first thousandth of the frame."""

@@ -113,6 +113,7 @@ def test_the_example_of_the_documentation_makes_the_cloud_that_it_says(seen, mon
     assert np.linalg.norm(np.mean(eyes, axis=0) - left["frame"]["fish"]["position_cm"]) < 15.0
 
 
+@pytest.mark.nightly
 def test_an_interrupted_film_resumes_with_the_same_pictures(seen, tmp_path, capsys):
     out = tmp_path / "seen"
     copied(seen, out)
@@ -226,6 +227,7 @@ def test_fishes_are_red_and_solids_are_blue():
     assert len(np.unique(fishes, axis=0)) > 450
 
 
+@pytest.mark.nightly
 def test_light_in_the_eyes_replaces_that_of_the_place():
     world = create_world(load_scenario("peaceful")[0], fish=12)
     other = create_world(load_scenario("peaceful")[0], fish=12)
@@ -251,6 +253,7 @@ def test_light_in_the_eyes_replaces_that_of_the_place():
     assert (other.state.minds.light[[0, 1, 3]] != 0.125).all()
 
 
+@pytest.mark.nightly
 def test_a_film_tells_the_light_that_its_fish_sees(tmp_path, seen):
     assert film(tmp_path / "lit", "--see-brightness") == 0
     lit = json.loads((tmp_path / "lit" / "camera.json").read_text())["frames"][-1]["fish"]["light"]

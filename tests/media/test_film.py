@@ -81,6 +81,7 @@ def test_diagrams_and_numbers_are_on_a_film_and_another_list_is_another_film(tmp
     assert "did you mean 'scaffold'" in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
     out = tmp_path / "fish.png"
     options = [*SMALL, "--seconds", "1", "--quality", "low"]
@@ -126,6 +127,7 @@ def test_a_film_for_shutter_glasses_is_one_line_with_other_modes(tmp_path, capsy
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.nightly
 def test_the_eyes_are_set_by_options(tmp_path):
     pictures = {}
     for option in ("", "--swap-eyes", "--eye-distance=30", "--screen-distance=400"):
@@ -333,6 +335,7 @@ def test_a_tour_of_the_scenario_is_filmed_to_its_end(tmp_path, capsys):
     assert "did you mean 'short'" in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_directions_are_filmed_with_their_captions_until_they_are_over(tmp_path, capsys):
     there = "position_cm = [{}, -60.0, -250.0], look_at_cm = [-300.0, 0.0, -250.0], over_s = 0.0"
     file = scene(
@@ -412,6 +415,7 @@ def test_a_world_is_reached_when_the_instant_lies_between_its_last_two_ticks(mon
     assert told == list(range(1, state.tick))
 
 
+@pytest.mark.nightly
 def test_a_theatre_is_filmed_into_an_output_for_each_window(tmp_path, monkeypatch, capsys):
     """The windows of a theatre together equal a single one, each in its own file."""
     out = tmp_path / "wall.png"

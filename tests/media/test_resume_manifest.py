@@ -73,6 +73,7 @@ def whole(film):
     return film[0]
 
 
+@pytest.mark.nightly
 def test_a_film_that_was_killed_goes_on_with_the_same_pictures(tmp_path, whole, capsys):
     out = tmp_path / "frames"
     going = subprocess.Popen(

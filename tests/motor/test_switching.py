@@ -47,6 +47,7 @@ def test_going_live_jerks_no_node_at_any_phase(make_tank, species):
         assert _steps(path).max() <= 1.3 * _steps(before).max(), (name, row)
 
 
+@pytest.mark.nightly
 @each_species
 def test_at_random_goals_no_one_notices_either_change(make_tank, species):
     for scale in (0.8, 1.0, 1.4):
@@ -130,6 +131,7 @@ def _world(**options):
     return create_world(bay, seed=5, **options)
 
 
+@pytest.mark.nightly
 def test_the_nearest_are_simulated_and_no_more_than_asked_for():
     world = _world(live=8)
     fishes = world.state.fishes

@@ -84,6 +84,7 @@ def _dark_school(line_bl):
     return world
 
 
+@pytest.mark.nightly
 def test_blind_fishes_school_by_the_lateral_line_only():
     """Without it each swims alone; with it those that feel each other school."""
     alone, felt = (_dark_school(line_bl) for line_bl in (0.0, 3.0))

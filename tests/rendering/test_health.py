@@ -71,6 +71,7 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
     assert living() == before
 
 
+@pytest.mark.nightly
 def test_a_scenario_that_was_left_is_freed(context):
     world = start_world("peaceful", fish=4)
     renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])

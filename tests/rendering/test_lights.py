@@ -108,6 +108,7 @@ def test_lamps_are_left_and_right_of_the_pilot_and_shine_ahead():
     assert np.linalg.norm(ends[0] - ends[1]) < np.ptp(aside)  # they come together
 
 
+@pytest.mark.nightly
 def test_the_bay_by_its_lights(context, same_picture):
     world = start_world("peaceful")
     submarine = world.state.submarine

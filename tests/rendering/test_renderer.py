@@ -76,6 +76,7 @@ def test_drawing_is_repeatable(renderer, make_packet, fish):
     np.testing.assert_array_equal(renderer.read_pixels(), first)
 
 
+@pytest.mark.nightly
 def test_multisampling_changes_edges_only(drawn, make_packet, fish):
     packet = make_packet([fish(1, (0, 60, -200))], size=(160, 90))
     plain, smooth = (drawn(packet, quality=Quality(samples=samples)) for samples in (0, 4))
@@ -101,6 +102,7 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     assert counts[4] == len(speck().triangles) == 40
 
 
+@pytest.mark.nightly
 def test_release_frees_every_object(context, scene, make_packet, fish):
     """Unreleased objects are collected in `context.objects`, in this mode."""
     gc.collect()

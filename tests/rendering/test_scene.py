@@ -60,6 +60,7 @@ def test_the_peaceful_bay(context, bay, same_picture):
     renderer.release()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("sea", "species"), only([("bay", 5)], [("bay", 5), ("crowd", 10)]))
 def test_a_frame_takes_few_drawing_calls(context, request, sea, species):
     world, tour = request.getfixturevalue(sea), Tour()

@@ -257,6 +257,7 @@ for _ in range(150):
 """
 
 
+@pytest.mark.nightly
 def test_no_zeroed_piece_makes_the_reader_hang_or_crash(tmp_path, damaged):
     """In a process of its own, for a loop inside the HDF5 library cannot be interrupted."""
     (tmp_path / "whole.h5").write_bytes(damaged)

@@ -149,6 +149,7 @@ def test_saved_scenarios_load_equally(tmp_path, scenario):
     assert load_scenario(str(path))[0] == scenario
 
 
+@pytest.mark.nightly
 @FEW
 @given(scenarios(), st.sampled_from(NAMES))
 def test_scenarios_saved_over_a_file_with_comments_load_equally(tmp_path, scenario, name):

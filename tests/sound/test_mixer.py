@@ -91,6 +91,7 @@ def test_all_muted_is_silence(heard):
         assert not mixed(*heard[1][:20], levels=levels).any()
 
 
+@pytest.mark.nightly
 def test_groups_add_up_to_the_whole(heard):
     moments, mixer = heard[1][:40], Mixer(STEREO)
     stems = np.concatenate([mixer.stems(one) for one in moments], axis=1)

@@ -117,6 +117,7 @@ def told(desk, address):
             return message.params
 
 
+@pytest.mark.nightly
 def test_a_show_is_led_by_midi_and_timecode_and_told_by_osc(
     display, user, coarse, tmp_path, monkeypatch, desk, keyboard
 ):
@@ -145,6 +146,7 @@ def test_a_show_is_led_by_midi_and_timecode_and_told_by_osc(
             user.until(running, lambda: player.shown == 2)
 
 
+@pytest.mark.nightly
 def test_lamps_follow_the_sea_and_the_screens(display, user, coarse, tmp_path, desk):
     path = tmp_path / "hall.toml"
     path.write_text(THEATRE.format(port=desk.getsockname()[1]))

@@ -64,6 +64,7 @@ def test_its_menu_has_no_way_out(exhibit, user):
     user.until(exhibit, lambda: not exhibit.menu.open)
 
 
+@pytest.mark.nightly
 def test_the_pointer_hides_while_it_rests(exhibit, user):
     def mode():
         return glfw.get_input_mode(exhibit.window.handle, glfw.CURSOR)
@@ -76,6 +77,7 @@ def test_the_pointer_hides_while_it_rests(exhibit, user):
     user.until(exhibit, lambda: mode() == glfw.CURSOR_NORMAL)
 
 
+@pytest.mark.nightly
 def test_after_visitors_have_left_the_kiosk_restarts(exhibit, user):
     exhibit.open_world(exhibit.scenario, exhibit.source, seed=9)
     exhibit.preferences.set_language("fr")

@@ -71,6 +71,7 @@ def test_systemd_accepts_the_unit(manager):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.nightly
 def test_a_kiosk_is_a_service_until_the_operator_ends_it(manager):
     told = install(manager)
     manager.control("start", UNIT)  # returns when the dive is ready
@@ -106,6 +107,7 @@ def test_a_service_comes_back_until_it_ends_in_order(manager, order):
     assert ended(manager) == ("success", "0")
 
 
+@pytest.mark.nightly
 def test_an_error_that_stays_is_not_tried_again_and_one_that_may_pass_is(manager, order):
     order.write_text("2")
     manager.control("start", UNIT, check=False)

@@ -50,6 +50,7 @@ def test_a_start_is_watched(tmp_path, monkeypatch, order, full, code, faults):
         kiosk.cut()
 
 
+@pytest.mark.nightly
 def test_a_kiosk_that_cannot_begin_is_a_finding(capsys, monkeypatch, display):
     monkeypatch.setenv("DISPLAY", ":4711")
     assert main(["soak", "--kiosk", "--minutes", "0.1", "--scenario", str(BARE)]) == 1

@@ -60,6 +60,7 @@ def opened(path, coarse, told, *others):
     return show_of(options.parts), Dive(options)
 
 
+@pytest.mark.nightly
 def test_a_presenter_sees_the_show_and_leads_it(display, user, coarse, playlist):
     console = ConsolePart(local())
     _, dive = opened(playlist, coarse, [], console)
@@ -215,6 +216,7 @@ def test_a_fish_that_is_not_there_is_named_with_its_line(key, words, playlist, c
     assert line.startswith(f"subsea: {playlist}:6: item 1: ") and words in line
 
 
+@pytest.mark.nightly
 def test_an_item_shows_springs_and_a_fish_from_its_side(display, user, coarse, playlist):
     own = """tour = "auto"
 [[item]]

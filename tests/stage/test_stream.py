@@ -49,6 +49,7 @@ def picture():
     return pixels
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("scheme", ["rtp", "udp"])
 def test_a_second_process_receives_the_picture(scheme):
     port = free_port(socket.SOCK_DGRAM)
@@ -85,6 +86,7 @@ def test_nobody_who_receives_never_holds_the_dive_up():
     assert time.monotonic() - begun < 4.0 and sender.check() == ""
 
 
+@pytest.mark.nightly
 def test_a_dive_streams_its_window(display, user, coarse, capfd):
     part = StreamPart(stream_options(f"udp://127.0.0.1:{free_port(socket.SOCK_DGRAM)}", width=160))
     with closing(Dive(dive_options(BARE, (320, 240), coarse, parts=[part]))) as running:

@@ -108,6 +108,7 @@ def test_a_body_that_loses_its_shape_is_named_with_the_place(fusilier):
     assert finding.severity == FAULT and "ring" in finding.text
 
 
+@pytest.mark.nightly
 def test_a_slow_fish_is_advised_to_learn(fusilier):
     weak = with_value(fusilier, ("swim", "contraction"), [0.05, 0.05])
     muscles = weak.species.muscles
@@ -116,6 +117,7 @@ def test_a_slow_fish_is_advised_to_learn(fusilier):
     assert said(findings, "sweeps little").severity == WARNING
 
 
+@pytest.mark.nightly
 def test_advice_for_a_narrow_tail_stalk_is_borne_out():
     """Fewer contractions are advised only if they keep the fish steady, else another body."""
     wrasse = read_draft(species_file("moon_wrasse"))
@@ -153,6 +155,7 @@ def test_a_threshold_that_is_met_is_not_a_warning(fusilier):
             assert "(now 0.02)" not in text, severity
 
 
+@pytest.mark.nightly
 def test_turning_muscles_that_contract_too_little_or_too_much_are_reported(fusilier):
     for contraction, severity, advice in ((0.02, WARNING, "more"), (0.6, FAULT, "less")):
         turning = with_value(fusilier, ("turn", "gradual"), [contraction] * 2)
@@ -162,6 +165,7 @@ def test_turning_muscles_that_contract_too_little_or_too_much_are_reported(fusil
         assert f"Contract the turning muscles {advice}." in found.text
 
 
+@pytest.mark.nightly
 def test_a_beat_too_fast_for_muscles_is_reported(fusilier):
     muscles = with_value(fusilier, ("swim", "ticks_per_beat"), 7).species.muscles
     swim = checks.try_swimming(muscles)

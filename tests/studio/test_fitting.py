@@ -174,6 +174,7 @@ def test_the_eye_decides_the_heading(right):
         assert (nodes[4, 0, 0] > nodes[4, -1, 0]) == (right ^ flip)
 
 
+@pytest.mark.nightly
 def test_the_meshes_follow_the_eye(accuracy):
     case = accuracy.Case("clownfish", length=420.0, size=(600, 420), other=0.0)
     photograph, truth, _ = accuracy.made(case)

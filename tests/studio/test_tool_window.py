@@ -293,6 +293,7 @@ def test_ctrl_c_in_the_terminal_ends_the_builder(display):
     assert told.splitlines()[-1:] == ["subsea: interrupted"]
 
 
+@pytest.mark.nightly
 def test_an_idle_window_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
     program = tmp_path / "idle.py"
     program.write_text(

@@ -188,6 +188,7 @@ def test_an_unknown_tour_suggests_the_nearest():
 SHIPPED = [("peaceful", "reef"), ("visitors", "lagoon"), ("schooling", "school")]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("scenario", "tour"), SHIPPED)
 def test_shipped_tours_are_comfortable(scenario, tour):
     world = create_world(load_scenario(scenario)[0], fish=20)

@@ -10,6 +10,7 @@ import pytest
 from tools import fuzz
 
 
+@pytest.mark.nightly
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, pytestconfig):
     rounds = 400 if pytestconfig.getoption("--nightly") else 2
     done = subprocess.run(

@@ -98,6 +98,7 @@ def test_the_card_of_eyes_shows_what_both_eyes_see(opened, user):
     assert np.abs(user.screen(opened)[-40:] - before[-40:]).mean() < 20.0
 
 
+@pytest.mark.nightly
 def test_large_letters_shrink_until_cards_are_apart(opened, user, monkeypatch):
     opened.inspector.chosen = None  # no fish in the way
     glfw.set_window_size(opened.window.handle, 800, 500)

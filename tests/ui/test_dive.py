@@ -73,6 +73,7 @@ def test_a_key_shows_in_the_second_picture_at_the_latest(rested, user):
     assert turned < -10.0 * max(*drift, 1e-6)
 
 
+@pytest.mark.nightly
 def test_the_help_fades_under_way_and_comes_back(boat, user):
     user.do("keydown", "w")
     user.until(boat, lambda: boat.overlay.help_opacity == 0.0)
@@ -122,6 +123,7 @@ def test_at_the_edge_of_the_sea_a_sign_shows_the_way_back(rested, user):
     submarine.position[:] = before
 
 
+@pytest.mark.nightly
 def test_a_key_goes_through_the_qualities(boat, user):
     assert boat.picture.quality_text.startswith("picture auto: ")
     for name in ("low", "medium", "high", "ultra"):

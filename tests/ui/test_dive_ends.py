@@ -60,12 +60,14 @@ def refused(environment, code=2):
     return line
 
 
+@pytest.mark.nightly
 def test_no_display_or_too_old_an_opengl_is_one_line_with_what_to_do(display):
     assert "subsea film" in refused({}, 75)
     assert "subsea film" in refused({"DISPLAY": ":4711"}, 75)
     assert "apt-get install" in refused({"DISPLAY": display, "MESA_GL_VERSION_OVERRIDE": "2.1"})
 
 
+@pytest.mark.nightly
 def test_another_display_opens_too(display):  # `test_stereo_window` opens all
     assert main([*WORDS, "--seconds", "0.3", "--display", "equirectangular"]) == 0
 

@@ -46,6 +46,7 @@ def frame(running):
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("tour", "words"),
     only(
@@ -91,6 +92,7 @@ def test_a_tour_begins_although_a_fish_is_ridden(boat, user):
     user.until(boat, lambda: not boat.tours.timer.touring)
 
 
+@pytest.mark.nightly
 def test_no_tour_begins_while_the_inspector_is_open_or_time_paused(boat, user):
     for key in ("Tab", "k"):
         user.do("key", key)

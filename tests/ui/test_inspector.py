@@ -143,6 +143,7 @@ def test_panels_part_on_another_screen_and_keep_off_what_they_are_about(at_the_d
     boat.frame(0.0)
 
 
+@pytest.mark.nightly
 def test_a_covered_panel_is_raised_from_the_bar_and_a_dragged_one_stays_there(
     at_the_desk, user, spots, monkeypatch
 ):
@@ -184,6 +185,7 @@ def test_back_at_the_helm_the_pointer_steers_again(boat, user):
     user.glide(boat, 2.0)
 
 
+@pytest.mark.nightly
 def test_another_world_is_entered_while_the_window_stays(boat, user):
     handle, before = boat.window.handle, boat.world
     fewer = msgspec.structs.replace(boat.scenario, fish=boat.scenario.fish[:1])
@@ -286,6 +288,7 @@ def test_letters_typed_at_once_after_a_click_into_a_field_stay_there(
     user.glide(boat, 0.2)
 
 
+@pytest.mark.nightly
 def test_the_help_is_hidden_by_the_inspector(boat, user):
     boat.overlay.show_help()
     user.until(boat, lambda: boat.overlay.help_opacity == 1.0)

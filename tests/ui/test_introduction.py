@@ -69,6 +69,7 @@ def test_any_key_skips_it_and_the_pointer_does_not(boat, begun, user):
     assert not boat.pilot.passive and boat.tick_source.steering.tour is None
 
 
+@pytest.mark.nightly
 def test_prompts_go_once_they_are_followed(boat, begun, user, monkeypatch):
     monkeypatch.setattr(introduction, "STEERED_S", 0.2)
     begun.skip()
@@ -112,6 +113,7 @@ def test_a_prompt_without_an_answer_goes_by_itself(boat, begun, user, monkeypatc
     assert begun._prompt is not None and begun._prompt >= 1
 
 
+@pytest.mark.nightly
 def test_those_who_return_see_the_name_only(boat, begun, user):
     begun.end()
     begun.begin(short=True)
@@ -127,6 +129,7 @@ def test_each_prompt_fits_its_control():
         assert ("{key}" in prompt.words) == (prompt.control is not None)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", only(("peaceful",), scenario_names()))
 def test_in_every_scenario_it_ends_where_the_dive_begins_and_meets_nothing(name):
     world = create_world(load_scenario(name)[0], fish=1)

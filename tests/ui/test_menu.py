@@ -295,6 +295,7 @@ def test_it_closes_to_the_inspector_where_that_was_open(boat, user):
     assert not boat.inspector.open
 
 
+@pytest.mark.nightly
 def test_it_restarts_the_dive(boat, menu, user, monkeypatch):
     boat.menu.seed = 2**32 - 7
     click(boat, user, monkeypatch, "Scenario")

@@ -99,6 +99,7 @@ def test_other_commands_rest(boat, photo):
     assert boat.picture.ride is None and photo.open and boat.timeline.paused
 
 
+@pytest.mark.nightly
 def test_a_lens_blurs_what_is_out_of_focus(boat, photo, user, folder):
     photo.lens = LensSettings(aperture_cm=0.0)
     sharp = taken(boat, user, folder)

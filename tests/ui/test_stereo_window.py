@@ -98,6 +98,7 @@ def test_the_window_shows_what_the_mode_is_for(windows, mode):
     assert np.abs(windows[mode][1] - windows["mono"][1]).max() > 10
 
 
+@pytest.mark.nightly
 def test_the_pointer_is_drawn_for_each_eye_while_panels_take_it(display, user, quiet, coarse):
     options = DisplayOptions("side-by-side", SIZE, quality=coarse)
     with closing(Dive(DiveOptions(quiet, seed=1, display=options, settings=QUIET))) as running:

@@ -36,6 +36,7 @@ def heading(world, fish):
     return np.arctan2(y, x)
 
 
+@pytest.mark.nightly
 def test_keys_pause_and_rewind_time_to_the_same_world(boat, user):
     world, time = boat.world, boat.timeline
     was = {}
@@ -93,6 +94,7 @@ def test_a_key_switches_between_behind_a_fish_and_its_eyes(boat, user, monkeypat
     pressed(boat, user, "c", lambda: boat.picture.ride.behind)
 
 
+@pytest.mark.nightly
 def test_keys_steer_the_fish_while_the_submarine_keeps_station(boat, user, monkeypatch):
     orders, make = [], boat.timeline.make
     monkeypatch.setattr(boat.timeline, "make", lambda order: (orders.append(order), make(order)))

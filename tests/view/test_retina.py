@@ -79,6 +79,7 @@ def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
         assert np.linalg.norm(by.weights @ points[part] - view.eye) < 0.25 * by.half_cm + 0.05
 
 
+@pytest.mark.nightly
 def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
     # Beside stone some would be played back.
     bare = dict.fromkeys(("rock", "outcrop", "ridge", "arch", "reef", "tour"), ())

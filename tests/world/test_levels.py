@@ -130,6 +130,7 @@ def test_a_world_with_levels_restored_from_a_snapshot_continues_equally():
     assert snapshot.checksum(other) == snapshot.checksum(world)
 
 
+@pytest.mark.nightly
 def test_rewinding_a_world_with_levels_restores_it():
     world = made("open-ocean", 60)
     time, sums = Timeline(world), []

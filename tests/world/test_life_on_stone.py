@@ -90,6 +90,7 @@ def test_no_body_enters_the_drawn_stone(lagoon):
     assert gaps.min() > -2.5
 
 
+@pytest.mark.nightly
 def test_fishes_of_a_reef_go_to_cover_for_the_night():
     scenario = without_growth()
     water = msgspec.structs.replace(scenario.water, hour=0.0)

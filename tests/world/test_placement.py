@@ -206,6 +206,7 @@ def test_a_trial_near_a_tour_is_no_fault_and_both_it_and_the_world_warn(full):
     assert np.linalg.norm(lines[1:, 0] - lines[:-1, 1]) == 0.0
 
 
+@pytest.mark.nightly
 def test_misplaced_things_are_one_line(full):
     scenario, sea = full
     those = {one.kind: one for one in handles(scenario, sea)}
@@ -287,6 +288,7 @@ def test_undo_and_redo_restore_every_scenario(full, acts):
         assert (history.present, history.may_redo) == (other, False)
 
 
+@pytest.mark.nightly
 @settings(max_examples=examples(4), suppress_health_check=list(HealthCheck))
 @given(ACTS)
 def test_a_saved_and_loaded_placement_is_the_same_world(full, tmp_path, monkeypatch, acts):

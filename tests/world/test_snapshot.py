@@ -81,6 +81,7 @@ def test_damaged_snapshots_are_refused_and_change_nothing(small, data):
     refused(other, damaged)
 
 
+@pytest.mark.nightly
 def test_a_damaged_header_is_refused_and_the_size_is_limited(small):
     world, other, whole = small
     assert len(whole) <= snapshot.size_limit(world)

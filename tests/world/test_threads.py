@@ -51,13 +51,14 @@ def _dive(name, threads, ticks=TICKS, most=MOST_FISHES, levels=False):
     return found
 
 
-@pytest.mark.parametrize("name", only(("preying", "mating"), SCENARIOS))
+@pytest.mark.parametrize("name", only(("mating",), SCENARIOS))
 def test_the_number_of_threads_does_not_matter(small_parts, name):
     alone = _dive(name, 1)
     for threads in (2, 3, 16):
         assert _dive(name, threads) == alone
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", only(("open-ocean",), SCENARIOS))
 def test_the_number_of_threads_does_not_matter_with_levels(small_parts, name):
     alone = _dive(name, 1, levels=True)
@@ -67,6 +68,7 @@ def test_the_number_of_threads_does_not_matter_with_levels(small_parts, name):
         assert _dive(name, threads, levels=True) == alone
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", only(("open-ocean",), SCENARIOS))
 def test_the_order_of_parts_does_not_matter(small_parts, monkeypatch, name):
     """A kernel that reads what other rows write in the same pass differs without any race."""

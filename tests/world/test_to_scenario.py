@@ -33,6 +33,7 @@ def test_without_changes_the_scenario_is_the_same(world, few):
     assert to_scenario(world) == few
 
 
+@pytest.mark.nightly
 def test_a_world_built_from_the_export_has_the_same_parameters(world, few, tmp_path):
     set_of(world, fish=1, male=True, likes=["cold", "warmth"], dread_cm=70.0)
     set_of(world, fish=4, kind="predator", digestion=0.0123, appetite=7.0, schooling=True)

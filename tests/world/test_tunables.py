@@ -1,6 +1,7 @@
 """Parameters that panels edit: saving, restoring, and their effect."""
 
 import numpy as np
+import pytest
 
 from subsea.scenario.load import load_scenario
 from subsea.state import TRAITS
@@ -35,6 +36,7 @@ def change_all(world):
             values[...] *= 1.5
 
 
+@pytest.mark.nightly
 def test_a_world_with_restored_parameters_continues_as_before():
     world, twin = made(), made()
     stepped(world, 40), stepped(twin, 40)

@@ -42,6 +42,7 @@ def toward(submarine, place):
     return Helm(surge=1.0 if abs(turn) < 0.6 else 0.2, yaw=yaw, pitch=pitch)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", only([22], [21, 22]))
 def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
     world = create_world(load_scenario("schooling", ["seaweed=[]"]).scenario, seed=seed)
@@ -66,6 +67,7 @@ def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
     assert together > 0.9  # of the fishes, at once within 20 s
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", only([3], [3, 4]))
 def test_a_cleaner_that_likes_the_submarine_hovers_before_its_window_and_picks(seed):
     scenario = load_scenario("peaceful", ["seaweed=[]"]).scenario

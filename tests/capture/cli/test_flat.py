@@ -20,6 +20,7 @@ def test_the_options_name_every_experiment_and_film():
     assert tuple(EXPERIMENTS) == flat.PARTS and tuple(films.FILMS) == flat.FILMS
 
 
+@pytest.mark.nightly
 def test_plots_and_films_are_written(small, tmp_path, capsys, monkeypatch):
     for name in films.FILMS:
         scene = films.FilmPanel(name, np.zeros((2, 2, 12, 2)))

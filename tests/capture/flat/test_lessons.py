@@ -11,6 +11,7 @@ from capture.flat.lessons import Effort, FlatLearner
 from subsea.base.errors import UserError
 
 
+@pytest.mark.nightly
 def test_it_learns_to_swim_farther_with_one_frequency(learner):
     rng = np.random.default_rng(5)
     body = learner.body

@@ -115,6 +115,7 @@ def test_only_the_numbers_of_the_controllers_change(lesson):
         assert a.partition(b"#")[1:] == b.partition(b"#")[1:]
 
 
+@pytest.mark.nightly
 def test_nothing_better_is_one_line_and_code_1(tmp_path, capsys):
     path = tmp_path / "fish.toml"
     path.write_bytes(SHIPPED.read_bytes())
@@ -126,6 +127,7 @@ def test_nothing_better_is_one_line_and_code_1(tmp_path, capsys):
     assert path.read_bytes() == SHIPPED.read_bytes() and path.stat().st_ino == inode
 
 
+@pytest.mark.nightly
 def test_rejected_winners_are_reported_in_one_line_and_change_nothing(
     monkeypatch, tmp_path, capsys
 ):

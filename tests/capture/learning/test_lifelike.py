@@ -148,6 +148,7 @@ def test_a_journal_of_another_search_or_a_damaged_one_is_not_used(tmp_path):
     assert Journal(path, "other").remembered(lambda given: [2.0])([0]) == [1.0]
 
 
+@pytest.mark.nightly
 def test_the_command_writes_finished_species_once(tmp_path, monkeypatch, capsys):
     fish = load_species("fusilier")
     assert fish.muscles

@@ -26,6 +26,7 @@ def look(path):
         return np.asarray(picture.convert("L"))
 
 
+@pytest.mark.nightly
 def test_every_segment_and_the_repertoire_get_a_page(recorded, tmp_path):
     chosen = some(read_repertoire(recorded), "turn_left_sharp", "swim_fast")
     written = plot_repertoire(chosen, tmp_path / "plots")

@@ -246,6 +246,7 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(number, whole, tmp_path, 
     assert list(tmp_path.iterdir()) == [old]
 
 
+@pytest.mark.nightly
 def test_ctrl_c_while_processes_start_prints_nothing_else(tmp_path):
     """A terminal sends it to every process of the command."""
     command = [sys.executable, "-m", "capture", "record", "--all", "--jobs", "2"]

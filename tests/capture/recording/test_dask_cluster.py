@@ -98,6 +98,7 @@ def test_a_worker_that_is_killed_midway_loses_nothing(dask, repertoires, tmp_pat
         assert (tmp_path / f"{name}.h5").read_bytes() == expected
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("lost", "line"),
     only(

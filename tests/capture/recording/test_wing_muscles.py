@@ -26,6 +26,7 @@ def swimming_ray():
     return ray_of(PLAN, SURFACE)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("grade", ["slow", "fast"])
 def test_the_water_and_the_muscles_make_the_gait(grade):
     """Rosenberger 2001 (Rhinoptera bonasus), and Fish et al. 2016 for the Strouhal number."""
@@ -63,6 +64,7 @@ def leans(motion):
     return -across[:, 1] / np.linalg.norm(across, axis=1)
 
 
+@pytest.mark.nightly
 def test_a_turn_leans_inward_and_the_outer_wing_beats_stronger():
     left = motion_of_segment(PLAN, SURFACE, "turn_left_sharp")
     segment = record_spine_segment(PLAN, SURFACE, "turn_left_sharp")
@@ -95,6 +97,7 @@ def test_a_tail_follows_a_turn_late_and_keeps_its_length():
     assert abs(late[39]) < 1e-6 and late[50] > 0.5 and abs(late[-1]) < 0.05
 
 
+@pytest.mark.nightly
 def test_wings_that_tear_or_are_weak_or_have_no_muscles_are_refused():
     wings = PLAN.wings
     torn = replace(wings, muscles=replace(wings.muscles, contraction=(0.4, 0.4), stiffness=3e4))

@@ -176,6 +176,7 @@ def test_yolo_names_a_part_that_is_there_for_both(tmp_path):
         assert text.startswith("train: images/train\nval: images/train\nnames:\n")
 
 
+@pytest.mark.nightly
 def test_fishes_that_the_water_hides_are_not_annotated():
     plan = replace(PLAN, ranges=read_ranges(["water.visibility_cm=60,4000"]), maps=(), per_scene=2)
     seen = {60.0: 0, 4000.0: 0}
@@ -223,6 +224,7 @@ def test_pandas_reads_the_table_as_deeplabcut_does(made):
     assert table.notna().sum().sum() > 0
 
 
+@pytest.mark.nightly
 def test_a_dask_cluster_makes_equal_bytes(made, tmp_path):
     with LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
@@ -313,6 +315,7 @@ def test_a_full_disk_is_one_line_and_keeps_finished_shards(tmp_path, monkeypatch
     ]  # fmt: skip
 
 
+@pytest.mark.nightly
 def test_a_killed_set_continues_with_equal_bytes(made, tmp_path):
     """kill -9 in the middle; another process goes on."""
     command = [
@@ -341,6 +344,7 @@ def test_a_killed_set_continues_with_equal_bytes(made, tmp_path):
         assert about == shot.about
 
 
+@pytest.mark.nightly
 def test_mot_has_sequences_of_one_camera(tmp_path):
     plan = DatasetPlan(
         str(BARE), seed=3, size=(96, 72), per_scene=4, every=1, sequence=True,

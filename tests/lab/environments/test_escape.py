@@ -51,6 +51,7 @@ def test_it_begins_near_the_predator_and_sees_it_unless_it_is_behind(env):
     assert sum(found) > 3
 
 
+@pytest.mark.nightly
 def test_a_fish_that_never_moves_is_caught_and_stays_dead():
     """The shark may pass it at its first strikes, with its mouth still shut."""
     env = EscapeEnv(changes=LEAN, max_steps=1500)

@@ -88,6 +88,7 @@ def test_two_windows_and_a_window_that_is_closed(display):
     second.close()
 
 
+@pytest.mark.nightly
 def test_environments_show_themselves(display):
     env = forage("human")
     env.reset(seed=1)
@@ -109,6 +110,7 @@ def test_environments_show_themselves(display):
     shoal.close()
 
 
+@pytest.mark.nightly
 def test_the_checker_of_gymnasium_is_content(display):
     options = {"scenario": str(BARE), "picture_size": (80, 60), "render_mode": "human"}
     env = gymnasium.make("subsea/Forage-v0", **options)

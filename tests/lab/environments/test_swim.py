@@ -53,6 +53,7 @@ def test_gymnasium_finds_no_fault(task):
     check_env(gymnasium.make("subsea/Swim-v0", task=task).unwrapped, skip_render_check=True)
 
 
+@pytest.mark.nightly
 @pytest.mark.filterwarnings("error")
 def test_gymnasium_finds_no_fault_in_pictures(display):
     env = gymnasium.make("subsea/Swim-v0", render_mode="rgb_array")

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from msgspec import structs
 
 from subsea.rendering.output.quality import PRESETS
@@ -18,6 +19,7 @@ def luminance(picture):
     return float((light @ LUMINANCE).mean())
 
 
+@pytest.mark.nightly
 def test_both_flanks_are_lit_and_silver_does_not_glow(drawn, scene, make_packet, fish):
     """In the morning the sun is behind the fish, in the afternoon behind the eye, or vice versa."""
     fusilier = scene.species[0]

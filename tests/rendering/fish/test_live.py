@@ -42,6 +42,7 @@ def _packet(world, i, alpha):
     return frame.pack(world, views_for("mono", SIZE, pose_from_angles(eye, heading, 0.0)), alpha)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("alpha", only([0.4], [0.0, 0.4, 1.0]))
 def test_the_picture_is_that_of_rows_that_were_there_from_the_start(drawn, world, alpha):
     packet = _packet(world, np.flatnonzero(world.state.fishes.live)[0], alpha)
@@ -56,6 +57,7 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(drawn, world
     np.testing.assert_array_equal(live, drawn(rows, scene=replace(scene, control_points=full)))
 
 
+@pytest.mark.nightly
 def test_a_table_may_have_more_rows_than_a_texture(drawn, world):
     """Rows stand in blocks side by side; here simulated fishes cross the border of two blocks."""
     packet = _packet(world, np.flatnonzero(world.state.fishes.live)[0], 0.4)

@@ -26,6 +26,7 @@ def both(drawn):
     return both
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("pitch", [-0.4, 0.1, 0.7])
 @pytest.mark.parametrize("samples", [0, 4])
 def test_nobody_sees_which_canvas_it_was(both, make_packet, fish, pitch, samples):

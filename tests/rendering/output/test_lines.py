@@ -125,6 +125,7 @@ def test_wireframe_draws_edges_and_the_water_behind_them(lined, make_renderer, m
     assert np.abs(edges[60:130, 100:220] - water[60:130, 100:220]).max() > 40  # of the fish
 
 
+@pytest.mark.nightly
 def test_all_diagrams_of_the_bay(context, same_picture):
     world = start_world("peaceful")
     builder = DiagramBuilder(world)

@@ -167,6 +167,7 @@ def test_channels_side_by_side_cost_about_what_one_wide_view_does(sea):
     assert calls <= 3 * wide_calls
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("quality", ["low", "high"])
 def test_a_tilted_head_sees_the_same_sea(sea, quality):
     """A quarter turn of the head turns the picture: nothing in it stays with the screen."""

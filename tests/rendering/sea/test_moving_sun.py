@@ -26,6 +26,7 @@ def test_the_sun_is_shared_between_the_two_nearest_of_its_course():
     assert (np.diff(day @ np.arange(SUNS)) > 0.0).all()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("hour", only([9.0, 23.0], [9.0, 11.2, 15.0, 23.0]))
 def test_an_hour_looks_alike_whether_the_day_came_there_or_began_there(
     drawn, scene, make_packet, hour

@@ -65,6 +65,7 @@ def pixel(packet, place):
     return (0.5 - 0.5 * y / w) * SIZE[1], (0.5 + 0.5 * x / w) * SIZE[0]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("hour", [9.0, 12.0, 15.0])
 def test_the_shadow_of_a_fish_lies_where_the_sun_says(shade, make_packet, fish, hour):
     one = fish(0, (0.0, 0.0, DEEP_CM - 300.0))

@@ -78,6 +78,7 @@ def test_silent_and_slow_clients_are_ended_while_others_are_served(hasty, consol
         one.close()
 
 
+@pytest.mark.nightly
 def test_a_body_that_does_not_come_is_not_waited_for(monkeypatch, console):
     monkeypatch.setattr(http, "ANSWER_S", 1.0)
     with connect(console) as client:

@@ -104,6 +104,7 @@ def test_no_picture_is_copied_while_nobody_looks(boat, user, monkeypatch):
     assert board.picture_number == before
 
 
+@pytest.mark.nightly
 def test_the_screens_become_black_and_return(boat, user, give):
     bright = shown(boat, user).mean()
     give(BlankScreens(True))
@@ -255,6 +256,7 @@ def test_a_scenario_that_is_broken_leaves_the_dive_as_it_is(boat, give):
     assert boat.world is before
 
 
+@pytest.mark.nightly
 def test_a_scenario_is_opened_behind_black_screens(boat, user, give):
     own_scenarios().mkdir(parents=True, exist_ok=True)
     file = own_scenarios() / "another.toml"

@@ -60,6 +60,7 @@ def test_a_turned_head_sees_something_else(worn):
     assert np.abs(headset.pictures() - ahead).mean() > 2.0
 
 
+@pytest.mark.nightly
 def test_the_sticks_steer_like_those_of_a_gamepad(worn):
     running, headset = worn
     submarine = running.world.state.submarine

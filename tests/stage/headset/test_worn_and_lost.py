@@ -26,6 +26,7 @@ def test_the_ticks_are_those_of_a_window(display, monkeypatch):
     np.testing.assert_array_equal(places, other_places)
 
 
+@pytest.mark.nightly
 def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(display, monkeypatch, capsys):
     with diving(BARE, monkeypatch) as (running, _):
         for call in ("poll", "begin", "end"):
@@ -62,6 +63,7 @@ def test_a_kiosk_finds_its_headset_again(display, monkeypatch):
         assert again.headset.pictures().std() > 3.0 or again._dark > 0.5
 
 
+@pytest.mark.nightly
 def test_without_a_runtime_one_line_says_so_and_the_dive_is_in_the_window(
     display, monkeypatch, capsys
 ):
@@ -76,6 +78,7 @@ def test_without_a_runtime_one_line_says_so_and_the_dive_is_in_the_window(
     assert "subsea: no OpenXR runtime is installed; the dive goes on in the window" in lines
 
 
+@pytest.mark.nightly
 def test_in_a_kiosk_the_dive_begins_when_it_is_put_on_and_waits_when_it_is_put_off(
     display, monkeypatch
 ):

@@ -47,6 +47,7 @@ def shown_at(rig, patch, places):
     return rays / np.linalg.norm(rays, axis=1, keepdims=True)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("buffer_wide", only([True], [False, True]))
 def test_each_pixel_shows_the_sea_behind_its_point(theatre, projectors, making, buffer_wide):
     files = making.parts(projectors)

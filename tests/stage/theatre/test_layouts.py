@@ -104,6 +104,7 @@ def test_a_curved_screen_is_covered(n, overlap, angle, radius, s, t):
     check_mesh(made.channels[0], screens[0])
 
 
+@pytest.mark.nightly
 @FEW
 @given(n=st.integers(4, 20), overlap=percent, tilt=st.floats(0, 60), radius=st.floats(100, 2000),
        seed=st.integers(0, 99))  # fmt: skip

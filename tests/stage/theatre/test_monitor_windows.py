@@ -45,6 +45,7 @@ angles = {{ left_deg = -30, right_deg = 30, down_deg = -20, up_deg = 20 }}
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("left", "ahead", "options", "code", "said"),
     [
@@ -70,6 +71,7 @@ class Together(LocalTicks):
     shared = True
 
 
+@pytest.mark.nightly
 def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, quiet):
     size = (400, 300)
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])

@@ -40,6 +40,7 @@ def test_a_new_theatre_works_as_it_is_written(tmp_path, capsys, kind):
     assert np.ptp(np.asarray(Image.open(tmp_path / "new.png"))) > 100
 
 
+@pytest.mark.nightly
 def test_each_projector_may_have_a_computer(tmp_path, capsys):
     path = tmp_path / "new.toml"
     code, out, _ = run(capsys, "--new", "curved", "--computers", "--out", path, *SMALL)

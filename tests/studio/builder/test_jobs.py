@@ -38,6 +38,7 @@ def test_a_failed_recording_is_reported_in_a_sentence(jobs):
     assert not jobs.running and jobs.ended() is None
 
 
+@pytest.mark.nightly
 def test_learning_that_is_stopped_leaves_the_file_as_it_was(jobs, tmp_path):
     path = tmp_path / "fish.toml"
     path.write_bytes(species_file("fusilier").read_bytes())

@@ -242,6 +242,7 @@ def test_the_fish_is_turned_by_the_mouse_and_its_muscles_contract(window, user, 
     assert np.abs(builder.preview.swimmer.contraction).max() > 0.1
 
 
+@pytest.mark.nightly
 def test_a_number_is_typed_and_an_invalid_one_is_refused(window, user, spots):
     builder = window.tool
     builder.panels.show = "Body"
@@ -352,6 +353,7 @@ def test_a_file_elsewhere_does_not_use_the_motion_of_its_namesake(window, tmp_pa
     assert not builder.recorded
 
 
+@pytest.mark.nightly
 def test_closing_asks_once_about_unsaved_work(window, user, spots):
     builder = window.tool
     x, y = spot(window, "side", BACK)

@@ -337,6 +337,7 @@ def test_a_mesh_is_saved_and_loaded(scene, user, spots):
     )
 
 
+@pytest.mark.nightly
 def test_it_is_saved_as_an_own_species(scene, user, spots):
     window, _ = scene
     editor, document = window.tool, window.tool.document

@@ -89,6 +89,7 @@ def test_a_click_in_the_sea_chooses_the_fish_that_is_drawn_there(still, user):
     assert still.inspector.chosen is None
 
 
+@pytest.mark.nightly
 def test_fishes_are_chosen_on_the_panel_one_after_another_or_by_number(still, user, spots):
     opened(still, user, "Habits")
     spots.click(still, "next")
@@ -144,6 +145,7 @@ def test_hunger_and_libido_are_set_now(still, user, spots):
     assert minds.last_mating[3] < still.world.state.tick * TICK_S
 
 
+@pytest.mark.nightly
 def test_constants_of_all_fishes_are_set_keep_their_order_and_go_back(still, user, spots):
     opened(still, user, "Behavior")
     before = still.world.nature
@@ -202,6 +204,7 @@ def test_charts_hold_what_the_state_had(still, user):
         np.testing.assert_array_equal(chart.values[:, -1 - back], mental)
 
 
+@pytest.mark.nightly
 def test_habits_are_set_for_one_fish_or_its_species(still, user, spots):
     minds, fishes = still.world.state.minds, still.world.state.fishes
     opened(still, user, "Habits", 4)
@@ -262,6 +265,7 @@ def test_time_is_paused_stepped_and_rewound(still, user, spots):
     spots.click(still, "×1", 0.2)
 
 
+@pytest.mark.nightly
 def test_diagrams_and_wireframe_are_ticked_and_drawn(still, user, spots):
     opened(still, user, "Control")
     plain = user.screen(still)
@@ -305,6 +309,7 @@ def test_counts_of_the_picture_are_right(still, user):
     assert counts["triangles"] == still.picture.renderer.triangles > 1000
 
 
+@pytest.mark.nightly
 def test_a_fish_is_ridden_followed_and_left_and_its_gaze_turned(still, user, spots):
     opened(still, user, "Fish view", 5)
     spots.click(still, "the fish's eyes", 0.1)
@@ -336,6 +341,7 @@ def test_a_fish_is_ridden_followed_and_left_and_its_gaze_turned(still, user, spo
     assert still.picture.ride is None and still.inspector.chosen == 6
 
 
+@pytest.mark.nightly
 def test_panels_that_nobody_touches_change_nothing(still, user):
     time, world = still.timeline, still.world
     user.do("mousemove", 400, 585)

@@ -106,6 +106,7 @@ def test_entered_numbers_are_those_of_the_restarted_dive(pool, user, spots):
     assert pool.window.handle is window
 
 
+@pytest.mark.nightly
 def test_an_impossible_dive_is_refused_in_one_line(pool, user, spots, capsys):
     world = pool.world
     for name in ("fusilier", "clownfish"):
@@ -182,6 +183,7 @@ def test_a_broken_file_is_one_line_and_the_dive_goes_on(pool, spots, tmp_path, c
     pool.frame(0.1)
 
 
+@pytest.mark.nightly
 def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, user, spots, capsys):
     shipped = resource_path("assets/scenarios/schooling.toml")
     before, world = shipped.read_bytes(), pool.world
@@ -227,6 +229,7 @@ def test_numbers_keep_the_proportions_of_shoals_and_individuals_their_fish():
     assert groups[:4] == scenario.seaweed[:4]
 
 
+@pytest.mark.nightly
 def test_pillars_are_added_where_a_dive_can_begin_with_them():
     scenario = load_scenario("peaceful").scenario
     wanted = counts(scenario)

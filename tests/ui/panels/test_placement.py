@@ -196,6 +196,7 @@ def test_the_wheel_resizes_and_with_ctrl_turns(lagoon, user):
     user.until(lagoon, lambda: lagoon.scenario.rock[0].size_cm[2] > 1.1 * high)
 
 
+@pytest.mark.nightly
 def test_the_sea_goes_on_until_the_changed_one_is_there(lagoon, monkeypatch):
     """Only then it is replaced, and what did not change is not made again."""
     before, ticks, tries = lagoon.world, [], []
@@ -290,6 +291,7 @@ def test_a_drag_that_begins_on_a_panel_moves_nothing_in_the_sea(lagoon, user, sp
     assert lagoon.scenario is before
 
 
+@pytest.mark.nightly
 def test_numbers_add_and_remove_and_another_process_makes_the_saved_world(
     lagoon, user, spots, tmp_path, pytestconfig
 ):
