@@ -1,7 +1,7 @@
 # `make run` opens a dive, `make bench` installs what the makers' tools need besides, `make test` runs
 # the checks of every day, `make test-house` those of a dive alone, `make nightly` all that there are,
-# `make blender` opens an exported scene in Blender, `make train` trains a detector on a few pictures.
-# Each sets up what it needs, once.
+# `make blender` opens an exported scene and passes of a film in Blender, `make train` trains a detector
+# on a few pictures. Each sets up what it needs, once.
 #
 #   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
 #   make test ARGS="-k clock"                  arguments of pytest
@@ -32,7 +32,7 @@ nightly: TESTS = --nightly
 
 # Blender is a gigabyte, and wants this version of Python.
 blender: .venv/ready-test .venv/blender/ready
-	$(BIN)/pytest tests/export/test_blender.py
+	$(BIN)/pytest tests/export/test_blender.py tests/media/test_blender_passes.py
 
 .venv/blender/ready:
 	$(BIN)/uv venv --quiet --clear --python 3.11 .venv/blender
