@@ -28,6 +28,9 @@ LIGHT_PX = 0.7  # of a block of structured light, in pixels of the projector
 BENT = 0.02  # usual distortion of a projector, as a share at the corner of its picture
 CLEAN_PX = 3.0  # errors beyond this many times the expected ones count less and less
 UPRIGHT = 0.03  # rms error, in sides of a photograph, of a first guess that is good enough
+GROSS = 4.0  # median errors: blocks that are farther off may have moved the fit of a projector
+STARTS, MEMBERS = 40, 7  # fits to a few blocks each, the best of which is another start
+ROUNDS = 6  # of weighing the blocks of a projector anew
 BLOCKS = 150  # of each projector that serve to solve a camera
 
 
@@ -115,7 +118,9 @@ def fit_projector(
 
     Returns it with the errors (n, 2) in pixels of the projector. The direct linear transformation
     (Hartley and Zisserman, §7.1) is repeated with its terms weighted by depth, so that it minimises
-    errors in pixels.
+    errors in pixels, and by Cauchy's weights, as light may have been reflected on its way. It
+    begins anew with the least median error of fits to a few points (Rousseeuw 1984) if points are
+    far off.
     """
     lens = ProjectorLens(np.zeros((3, 4)), bend, size)
     target = lens.straight(shown)
@@ -123,17 +128,19 @@ def fit_projector(
     inner, outer = _normaliser(known), _normaliser(np.column_stack([target, np.ones(len(target))]))
     ends = known @ inner.T
     u, v = (target * np.diag(outer)[:2] + outer[:2, 2]).T
-    zero = np.zeros_like(ends)
-    rows = np.concatenate(
-        [np.hstack([ends, zero, -u[:, None] * ends]), np.hstack([zero, ends, -v[:, None] * ends])]
+    aim, zero = np.stack([u, v], axis=1), np.zeros_like(ends)
+    rows = np.stack(
+        [np.hstack([ends, zero, -u[:, None] * ends]), np.hstack([zero, ends, -v[:, None] * ends])],
+        axis=1,
     )
-    weight = np.ones(len(u))
-    for _ in range(3):
-        weighted = rows * np.tile(weight, 2)[:, None]
-        _, vectors = np.linalg.eigh(weighted.T @ weighted)
-        found = vectors[:, 0].reshape(3, -1)
-        depth = np.abs(ends @ found[2])
-        weight = 1.0 / np.maximum(depth, 1e-6 * depth.max())
+    found, away = _reweighted(rows, ends, aim, _null_matrices(rows.reshape(2 * len(u), -1)))
+    usual = float(np.median(away))
+    if away.max() > GROSS * usual or usual > CLEAN_PX * outer[0, 0]:
+        some = np.random.default_rng(0).integers(len(u), size=(STARTS, MEMBERS))
+        tries = _null_matrices(rows[some].reshape(STARTS, 2 * MEMBERS, -1))
+        medians = np.median(_apart(ends @ np.swapaxes(tries, 1, 2), aim), axis=1)
+        second = _reweighted(rows, ends, aim, tries[np.argmin(medians)])
+        found, away = min((found, away), second, key=lambda one: float(np.median(one[1])))
     lens = lens._replace(matrix=np.linalg.inv(outer) @ found @ inner)
     mapped = known @ lens.matrix.T
     return lens, np.asarray(mapped[:, :2] / mapped[:, 2:] - target)
@@ -144,6 +151,31 @@ def _known(surface: LitSurface, places: Array, points: Array) -> Array:
     flat = surface.radius is None and isinstance(surface.screen, Flat)
     ends = places if flat else points
     return np.column_stack([ends, np.ones(len(ends))])
+
+
+def _reweighted(rows: Array, ends: Array, aim: Array, found: Array) -> tuple[Array, Array]:
+    """Improve a projection (3, k) of `ends` (n, k) to `aim` (n, 2); also return distances (n,)."""
+    for _ in range(ROUNDS):
+        mapped = ends @ found.T
+        away, depth = _apart(mapped, aim), np.abs(mapped[:, 2])
+        weight = 1.0 / np.maximum(depth, 1e-6 * depth.max())
+        weight /= np.hypot(1.0, away / max(2.0 * float(np.median(away)), 1e-9))
+        found = _null_matrices((rows * weight[:, None, None]).reshape(2 * len(rows), -1))
+    return found, _apart(ends @ found.T, aim)
+
+
+def _null_matrices(rows: Array) -> Array:
+    """The matrices (..., 3, k) that rows (..., n, 3 k) take nearest to 0."""
+    _, vectors = np.linalg.eigh(np.swapaxes(rows, -1, -2) @ rows)
+    return np.asarray(vectors[..., 0].reshape(*rows.shape[:-2], 3, -1))
+
+
+def _apart(mapped: Array, aim: Array) -> Array:
+    """Distances (..., n) of homogeneous points (..., n, 3) from points (n, 2)."""
+    depth = np.where(mapped[..., 2] == 0.0, 1e-12, mapped[..., 2])
+    return np.asarray(
+        np.hypot(mapped[..., 0] / depth - aim[:, 0], mapped[..., 1] / depth - aim[:, 1])
+    )
 
 
 def _normaliser(ends: Array) -> Array:

@@ -61,6 +61,21 @@ def test_a_projector_is_a_lens_with_distortion():
     assert np.abs(fit_projector(CYLINDER, points, shown, SIZE, 0.0)[1]).max() > 0.4
 
 
+@pytest.mark.parametrize("share", [0.1, 0.25, 0.35])
+def test_light_that_was_reflected_does_not_move_a_projector(share):
+    """A part of the picture falls by way of a glossy floor on another part of the screen."""
+    lamp = LampLens(np.array([30.0, 120.0, -50.0]), np.eye(3), (0.5, 0.3), SIZE, bend=0.02)
+    random = np.random.default_rng(4)
+    shown = random.uniform((0, 0), SIZE, (500, 2))
+    points = CYLINDER.meet(lamp.place, lamp.rays(shown))
+    lower = shown[:, 1] > np.quantile(shown[:, 1], 1.0 - share)
+    points[lower, 1] = 2.0 * points[lower, 1].max() + 20.0 - points[lower, 1]
+    shown += random.normal(0.0, 0.15, shown.shape)
+    fitted, error = fit_projector(CYLINDER, points, shown, SIZE, 0.02)
+    assert np.sqrt(np.mean(error[~lower] ** 2)) < 0.2
+    assert np.hypot(*error[lower].T).min() > 5.0
+
+
 @pytest.mark.parametrize("kind", only(["dome"], ["cylinder", "dome"]))
 def test_lens_and_place_follow_from_points_and_light(kind):
     if kind == "cylinder":
