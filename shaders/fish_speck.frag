@@ -5,6 +5,7 @@ void main() {}
 #include "fades.glsl"
 #include "skin.glsl"
 #include "show.glsl"
+#include "fish_light.glsl"
 
 uniform sampler2D u_skins;
 
@@ -27,8 +28,8 @@ void main() {
     if (faded(v_fade)) discard;
     vec4 skin = textureLod(u_skins, v_skin, float(COARSEST));
     vec3 colour = toned(skin.rgb, v_tone);
-    float silver = v_silver * smoothstep(0.05, 0.5, min(colour.r, min(colour.g, colour.b)));
-    vec3 light = (v_sky + v_sun * v_facing) * (1.0 - 0.8 * silver);
-    show(colour * light + silver * (0.5 + 0.4 * colour) * v_around, v_veil, v_clear, skin.a);
+    float silver = silver_of(colour, v_silver);
+    vec3 light = (v_sky + v_sun * v_facing) * (1.0 - DARK * silver);
+    show(colour * light + mirroring(colour, silver, vec3(1.0)) * v_around, v_veil, v_clear, skin.a);
 }
 #endif

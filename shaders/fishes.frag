@@ -126,8 +126,7 @@ void main() {
     normal = normalize(normal - slope.x * v_ahead + slope.y * up);
 #endif
 
-    // What is bright and without colour is silver.
-    float silver = coat.z * (1.0 - web) * (1.0 - inside) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
+    float silver = silver_of(skin.rgb, coat.z * (1.0 - web) * (1.0 - inside));
     vec3 sun = SUNLIGHT * v_day.rgb * (caustics_at(v_world) * sunny(v_world));
     vec3 light = sun * sunward(normal) + lamplight_on(v_world, normal, 0.25);
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * v_day.rgb;
@@ -140,7 +139,7 @@ void main() {
     counter *= counter;
     light += clear * sun * (0.2 + 0.8 * skin.rgb) * counter * counter;
 #endif
-    vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.8 * silver);
+    vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - DARK * silver);
 
     float facing = max(dot(normal, view), 0.0);
     float mirror = max(dot(normal, normalize(view + SUN)), 0.0);
@@ -149,7 +148,7 @@ void main() {
     float spark = sharp * sharp;
     spark *= spark;
     float gloss = mix(coat.x * (0.35 + 0.65 * seen), 0.06, web) * (1.0 - inside);
-    vec3 sheen = 0.75 + 0.5 * abs(2.0 * fract(1.4 * facing + 0.5 * relief.x + vec3(0.0, 0.3, 0.6)) - 1.0);
+    vec3 sheen = sheen_of(facing, relief.x);
     colour += (gloss * sharp * mix(0.2 + 0.8 * skin.rgb, 0.7 * sheen, silver) + 4.0 * eye * spark) * sun;
     // Wet skin mirrors the water around it at grazing angles, silver at all.
     float rim = 1.0 - facing;
@@ -164,7 +163,7 @@ void main() {
     sheen = mix(sheen, film, silver);
 #endif
     vec3 mirrored = reflect(-view, platelets(normal, silver));
-    colour += (share + silver * sheen * (0.5 + 0.4 * skin.rgb)) * v_day.a * water_radiance(mirrored);
+    colour += (share + mirroring(skin.rgb, silver, sheen)) * v_day.a * water_radiance(mirrored);
 #ifdef CLOSE_UP
     // A wet eye shows the bright surface above it.
     colour += 0.12 * eye * smoothstep(0.45, 0.75, mirrored.z) * (SKYLIGHT + 0.4 * SUNLIGHT) * v_day.rgb;

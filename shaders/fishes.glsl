@@ -1,3 +1,4 @@
+#include "fish_light.glsl"
 // What differs between species; `render/fishes.py` fills it in, in this order.
 struct Look {
     vec4 cell;      // where its skin and gutters lie on the atlas: left, bottom, width, height
@@ -27,23 +28,6 @@ layout(std140) uniform Looks {
     vec4 frames[5];  // left, bottom, width, height, shares of a cell: the fins, as parts are
                      // numbered (dorsal, ventral, pectoral, pelvic), then the body
 };
-
-// Share of the sun's light that a surface of a fish gets. In water much of this light is scattered
-// and comes from above, not from the sun: so a flank is lit less than the sand, and less unevenly.
-const float BEAM = 0.22, SCATTERED_DOWN = 0.21;
-
-float sunward(vec3 normal) {
-    float above = 0.5 + 0.5 * normal.z;
-    return BEAM * max(dot(normal, SUN), 0.0) + SCATTERED_DOWN * above * above;
-}
-
-// Silver in the skin lies in upright platelets, whatever the curve of the flank (Denton 1970): it
-// mirrors the water beside a fish, not that above. A surface's normal, as platelets are turned.
-const float UPRIGHT = 0.3;
-
-vec3 platelets(vec3 normal, float silver) {
-    return normalize(vec3(normal.xy, normal.z * mix(1.0, UPRIGHT, silver)));
-}
 
 // Column and row of a control point of a recorded frame in their table: blocks of TABLE_ROWS frames
 // stand side by side, as drivers limit the height of a texture.

@@ -98,3 +98,12 @@ vec3 light_from(vec3 sun, vec3 p, vec3 normal, float wrap) {
 vec3 light_on(vec3 p, vec3 normal, float wrap) {
     return light_from(sunlight_at(p.z) * (caustics_at(p) * sunny(p)), p, normal, wrap);
 }
+
+// Share of the sun's light that a surface of a fish gets. In water much of this light is scattered
+// and comes from above, not from the sun: so a flank is lit less than the sand, and less unevenly.
+const float BEAM = 0.22, SCATTERED_DOWN = 0.21;
+
+float sunward(vec3 normal) {
+    float above = 0.5 + 0.5 * normal.z;
+    return BEAM * max(dot(normal, SUN), 0.0) + SCATTERED_DOWN * above * above;
+}

@@ -15,6 +15,19 @@ const CRUST = `
   facing = normalize(facing - slope + facing * dot(slope, facing));
   diffuseColor.rgb *= clamp(1.0 + 0.6 * shape.x, 0.35, 1.4) * (1.0 + 0.25 * shape.y);`;
 
+// Skin of a fish scatters and mirrors light as in the dive (sunward, fish_light.glsl).
+const SKIN = `
+  float day = exp(u_down.g * (v_sea.z - u_eye.z));
+  float silver = METAL;
+  vec3 sight = normalize(u_eye - v_sea);
+  float across = max(dot(facing, sight), 0.0), rim = 1.0 - across;
+  rim *= rim;
+  light = sunlight_at(v_sea.z) * (caustics_at(v_sea) * sunny(v_sea)) * sunward(facing)
+    + mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * facing.z) * daylight(v_sea.z) + lamplight_on(v_sea, facing, 0.25);
+  light *= 1.0 - DARK * silver;
+  mirrored = (0.22 * rim * rim + mirroring(diffuseColor.rgb, silver, sheen_of(across, 0.0))) * day
+    * water_radiance(reflect(-sight, platelets(facing, silver)));`;
+
 export class Water {
   // `about` is the scene's "water": uniforms of water.glsl, those of the eye at steps of depth, and
   // the rows of the turn from the page's axes to the dive's. `textures` are its caustics and the relief of stone, `shafts` is
@@ -87,9 +100,10 @@ export class Water {
       transparent: old.transparent, alphaTest: Math.max(old.alphaTest, 0.05),
     });
     const stone = old.name === "stone";
+    const skin = Boolean(old.map), metal = old.metalnessMap;
     const leaf = old.side === THREE.DoubleSide && !old.map ? LEAF : 0;
     material.onBeforeCompile = shader => {
-      Object.assign(shader.uniforms, this.uniforms);
+      Object.assign(shader.uniforms, this.uniforms, { u_metal: { value: metal } });
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", `#include <common>\n${this.code}
           uniform mat3 u_turn;
@@ -118,19 +132,21 @@ export class Water {
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", `#include <common>\n${this.code}
           uniform mat3 u_turn;
+          uniform sampler2D u_metal;
           varying vec3 v_sea;
           varying vec3 v_clear;
           varying vec3 v_veil;`)
         .replace("#include <opaque_fragment>", `
           vec3 facing = normalize(u_turn * inverseTransformDirection(normal, viewMatrix));
           ${stone ? CRUST : ""}
-          vec3 light = light_on(v_sea, facing, 0.25);
+          vec3 light = light_on(v_sea, facing, 0.25), mirrored = vec3(0.0);
+          ${skin ? SKIN.replace("METAL", metal ? "texture2D(u_metal, vMapUv).b" : "0.0") : ""}
           // What is thin glows with the light that falls on its other side.
           light += max(2.0 * (1.0 - diffuseColor.a), ${leaf.toFixed(1)}) * sunlight_at(v_sea.z) * max(dot(-facing, SUN), 0.2);
-          vec3 seen = EXPOSURE * diffuseColor.rgb * light * v_clear + v_veil;
+          vec3 seen = (EXPOSURE * diffuseColor.rgb * light + mirrored) * v_clear + v_veil;
           gl_FragColor = vec4(curved(seen), diffuseColor.a);`);
     };
-    material.customProgramCacheKey = () => `water ${leaf} ${stone}`;
+    material.customProgramCacheKey = () => `water ${leaf} ${stone} ${skin} ${Boolean(metal)}`;
     return material;
   }
 

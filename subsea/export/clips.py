@@ -41,6 +41,7 @@ from subsea.frame.packet import (
     resting_instances,
 )
 from subsea.geometry.rotation import matrix, multiply, normalised
+from subsea.rendering.fish.atlas import on_sheet
 from subsea.rendering.fish.fishes import FishShape
 from subsea.rendering.fish.preview import without_variation
 from subsea.repertoire import Repertoire, Segment, read_repertoire
@@ -110,7 +111,7 @@ class Surface:
         self._shape = FishShape((species,), (length_cm,), detail)
         alike = FishShape((without_variation(species),), (length_cm,), detail)
         skin = alike.at(resting_instances(1), np.zeros((1, CONTROL_POINTS, 3))).skin[0]
-        self.uv = np.clip(skin[self._exists].astype(np.float64), 0.0, 1.0)
+        self.uv = on_sheet(skin[self._exists].astype(np.float64))
 
     def at(self, control: Array, fins: Array | None = None) -> tuple[Array, Array]:
         """Compute points and normals (T, n, 3) for control points (T, 426, 3).

@@ -177,7 +177,8 @@ def find_three() -> Path:
 
 def water_code() -> str:
     """Return the shader code of light in water, of sway and stone, and from light to the screen."""
-    code = source("optics.glsl", PAGE=1) + source("sway.glsl") + source("relief.glsl")
+    code = source("optics.glsl", PAGE=1) + source("fish_light.glsl")
+    code += source("sway.glsl") + source("relief.glsl")
     return _plain(code + source("curve.glsl", GRADED=1, LINEAR=1))
 
 

@@ -18,6 +18,7 @@ from subsea.export.clips import (
     transform_points,
 )
 from subsea.export.fin_motion import FinPlayer
+from subsea.fish import sheet_layout
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
@@ -144,3 +145,23 @@ def test_a_clip_at_another_rate_goes_the_same_way(fps: float) -> None:
     np.testing.assert_allclose(np.linalg.norm(found.normals, axis=2), 1.0)
     same = at_rate(clip, 27.4)
     np.testing.assert_allclose(same.points, clip.points, atol=1e-12)
+
+
+SHEET = {"dorsal": sheet_layout.DORSAL, "pectoral_left": sheet_layout.PECTORAL}
+
+
+def test_skin_lies_where_the_sheet_has_it(known: str, model: Model) -> None:
+    """On the sheet a body is seen from its side: skin.md says where."""
+    species = load_species(known)
+    for name in SHEET.keys() & model.fins.keys():
+        place = SHEET[name]
+        low, high = model.uv[model.fins[name]].min(axis=0), model.uv[model.fins[name]].max(axis=0)
+        assert (low >= place[:2]).all() and (high <= place[2:]).all(), name
+    if species.surface.wing is not None or species.form == "flatfish":
+        return  # a disc is unfolded, and a flatfish lies
+    ahead, up = model.rest[: model.solid, 0], model.rest[: model.solid, 1]
+    left, right = sheet_layout.borders(species.surface)
+    half = sheet_layout.half_height(species.surface)
+    along = (ahead.max() - ahead) / model.length_cm
+    wanted = np.stack([(along - left) / (right - left), 0.4 + 0.4 * up / model.length_cm / half], 1)
+    assert np.abs(model.uv[: model.solid] - wanted).max() < 0.02

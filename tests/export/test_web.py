@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import binary_erosion
 
 from subsea.base.errors import UserError
 from subsea.dive.directed_camera import tour_steering
@@ -182,6 +183,10 @@ def test_fishes_and_water_are_where_the_dive_has_them(written, opened):
         # An outline that is off by a pixel matters more to a small fish.
         assert overlap > 1.0 - 3.5 / np.sqrt(theirs.sum()), fish.name
         assert np.abs(middles[0] - middles[1]).max() < 1.5, fish.name
+        inside = binary_erosion(mine & theirs, iterations=2)
+        colours = [picture[inside].mean(axis=0) for picture in (shown, dive)]
+        print(fish.name, *colours)
+        assert np.abs(colours[0] - colours[1]).max() < 14, fish.name
     assert compared >= 2
 
 

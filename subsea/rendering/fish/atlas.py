@@ -94,6 +94,22 @@ def frame(region: SheetRegion) -> tuple[float, float, float, float]:
     return left / CELL[0], bottom / CELL[1], width / CELL[0], height / CELL[1]
 
 
+def on_sheet(shares: Array) -> Array:
+    """The places on a skin sheet, shares of its sides, of shares of a cell (n, 2).
+
+    Places in a gutter lie on the border of its region.
+    """
+    places = np.full(shares.shape, np.nan)
+    around = np.array([GUTTER / CELL[0], GUTTER / CELL[1]])
+    for region in FRAMES:
+        corner, size = np.split(np.array(frame(region)), 2)
+        mine = ((shares >= corner - around) & (shares <= corner + size + around)).all(axis=1)
+        within = np.clip((shares[mine] - corner) / size, 0.0, 1.0)
+        low, high = np.array(region[:2]), np.array(region[2:])
+        places[mine] = low + within * (high - low)
+    return places
+
+
 def inside(region: SheetRegion, within: Array) -> Array:
     """Shares of a cell (n, 2) of places in a region, 0 to 1 both ways.
 
