@@ -183,7 +183,7 @@ SEAS = "dive", "film", "simulate", "benchmark", "soak"
 # Pages whose blocks of TOML without a file name are read, by their reader.
 SEA_PAGES = "scenarios.md", "directing.md", "builder.md"
 SETTINGS_PAGES = ("settings.md",)
-THEATRE_PAGES = "theatre-file.md", "cluster.md"
+THEATRE_PAGES = "theatre-file.md", "cluster.md", "fleet.md"
 SHOW_PAGES = ("show.md",)
 
 SEA = """
@@ -336,7 +336,7 @@ class Workshop:
         elif words[0] == "dask":
             part = {"scheduler": dask_scheduler, "worker": dask_worker}[words[1]]
             part.main.make_context(words[1], words[2:])
-        elif words[0] in ("mkdir", "cp", "sed"):
+        elif words[0] in ("mkdir", "cp", "sed", "echo", "chmod"):
             subprocess.run(["sh", "-c", command.text], check=True)
         else:
             raise AssertionError(
