@@ -310,7 +310,10 @@ class NodeTable(_Table, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         """Refuse other hardware addresses, and host names."""
-        parse_address(self.wake)
+        try:
+            parse_address(self.wake)
+        except ValueError as fault:
+            raise ValueError(f"`wake`: {fault}") from None
         if not re.match(MAC, self.mac):
             message = f"mac {self.mac!r}: expected six pairs of digits such as 00:1a:2b:3c:4d:5e"
             raise ValueError(message)

@@ -219,10 +219,10 @@ PROJECTOR = '[[projector]]\nname = "left"\naddress = "192.168.10.41"\n'
     [
         (NODE.replace("main", "lft"), 9, "unknown node 'lft'; there are: main"),
         (NODE + NODE, 12, "2 nodes are called 'main', expected 1"),
-        (NODE.replace(":5e", ""), 8, "mac '00:1a:2b:3c:4d': expected six pairs of digits such as"),
-        (NODE + 'wake = "192.168.10.255"\n', 8, "expected an IP address and a port"),
+        (NODE.replace(":5e", ""), 10, "mac '00:1a:2b:3c:4d': expected six pairs of digits such as"),
+        (NODE + 'wake = "192.168.10.255"\n', 11, "`wake`: .* expected an IP address and a port"),
         (PROJECTOR + PROJECTOR, 12, "2 projectors are called 'left', expected 1"),
-        (PROJECTOR.replace("192.168.10.41", "dome"), 8, "'dome': expected an IP address such as"),
+        (PROJECTOR.replace("192.168.10.41", "dome"), 10, "'dome': expected an IP address such as"),
         (PROJECTOR + "port = 0\n", 11, "of at least 1"),
         (PROJECTOR + 'password = "//other/file"\n', 11, "password"),
     ],
