@@ -65,6 +65,7 @@ class FleetPart(DivePart):
         from subsea.stage.fleet.desk import FleetDesk
         from subsea.stage.fleet.projectors import Projectors
         from subsea.stage.fleet.station import FleetStation, FrameTimes
+        from subsea.stage.fleet.updates import Updates
 
         theatre, _ = load_theatre(self._name)
         self._frames, self._begun_s = FrameTimes(), time.monotonic()
@@ -77,7 +78,8 @@ class FleetPart(DivePart):
             projectors = Projectors(theatre.projector, self._passwords)
             self.desk = FleetDesk(names, own, theatre.node, projectors)
         else:
-            self.station = FleetStation()
+            keyed = theatre.cluster is not None and theatre.cluster.keys is not None
+            self.station = FleetStation(Updates() if keyed else None)
 
     def before(self, dive: "Dive", elapsed_s: float) -> bool:
         """Exchange messages, and restart if that is asked for."""
@@ -125,8 +127,8 @@ class FleetPart(DivePart):
                 station.hear(data)
         if (facts := self._due_facts(dive)) is not None:
             ticks.send_fleet(encode(facts))
-        for part in station.take_parts():
-            ticks.send_fleet(part)
+        for message in (*station.take_parts(), *station.take_answers()):
+            ticks.send_fleet(message)
         if station.restarts and not dive.restarts:
             dive.restart()
 

@@ -83,6 +83,7 @@ NOT_TYPED = {
     "curl": "it asks a dive that goes on",
     "subsea dive --console 0.0.0.0:8880": "it listens to other computers; tests/console does that",
     "subsea dive --stream rtp://239.10.10.1:5004": "it sends to other computers",
+    "subsea fleet": "it needs nodes; tests/stage/fleet has some",
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",

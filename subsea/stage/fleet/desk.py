@@ -54,6 +54,8 @@ class FleetDesk:
         message = messages.from_node(data)
         if isinstance(message, messages.NodeFacts):
             self.note_facts(name, message)
+        elif not isinstance(message, messages.PicturePart):
+            return  # an answer to an update that has ended
         elif (jpeg := self._computers[name].join.add(message)) is not None:
             self.pictures[name] = jpeg
             self._computers[name].pictured = self._clock()

@@ -1,7 +1,8 @@
 """Messages of the fleet between master and nodes, which ride on the connection of their dive.
 
-They have a number of their own, and receivers pass over keys that they do not know: the code of a
-wing may differ between computers that show one dive.
+They have a number of their own, which rises less often than that of the dive's messages, and
+receivers pass over keys that they do not know: computers with different versions of subsea still
+know each other's, and can be updated.
 """
 
 from typing import Annotated, TypeVar
@@ -9,15 +10,19 @@ from typing import Annotated, TypeVar
 import msgspec
 
 from subsea.base.errors import UserError
-from subsea.stage.cluster.messages import FLEET, PART, Count, Name
+from subsea.stage.cluster.messages import FLEET, PART, Count, Name, Words
 
 NUMBER = 1
 MAGIC = FLEET + NUMBER.to_bytes(1, "little")
 MOST_PICTURE = 32_000  # bytes of a JPEG
+MOST_WHEEL = 1 << 29  # bytes
+WHEEL_PART = 1 << 18  # bytes of a wheel in a message
 
 T = TypeVar("T")
 Line = Annotated[str, msgspec.Meta(max_length=200)]
 Positive = Annotated[float, msgspec.Meta(ge=0, le=1e12)]
+Digest = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{64}\Z")]
+WheelName = Annotated[str, msgspec.Meta(pattern=r"^subsea-[\w.+!]{1,80}(-[\w.]{1,60}){3,4}\.whl\Z")]
 Degrees = Annotated[float, msgspec.Meta(ge=-100, le=1000)]
 
 
@@ -57,8 +62,49 @@ class Restart(FleetMessage):
     """To a node: end the dive and start the same command again."""
 
 
-FromNode = NodeFacts | PicturePart
-FromMaster = PictureWanted | Restart
+class WheelOffer(FleetMessage, tag="offer"):
+    """To a node: a wheel of subsea that it is to take, if it can install it."""
+
+    wheel: WheelName
+    version: Name
+    size: Annotated[int, msgspec.Meta(ge=1, le=MOST_WHEEL)]  # bytes
+    digest: Digest  # SHA-256
+    requires: list[Words]  # the packages that it needs, as its metadata list them
+
+
+class WheelPart(FleetMessage, tag="wheel"):
+    """To a node: bytes of the wheel."""
+
+    offset: Count
+    data: Annotated[bytes, msgspec.Meta(min_length=1, max_length=WHEEL_PART)]
+
+
+class Install(FleetMessage):
+    """To a node: install the wheel that it has, beside the running version, and try it."""
+
+
+class Switch(FleetMessage):
+    """To a node: start with the installed version from now on, and restart."""
+
+
+class Rollback(FleetMessage):
+    """To a node: start with the version before from now on, and restart."""
+
+    only_check: bool = False  # True: only say which version that is
+
+
+class Answer(FleetMessage):
+    """From a node: the result of an order of an update."""
+
+    order: Annotated[str, msgspec.Meta(max_length=20)]  # the tag of its message
+    done: bool
+    words: Words = ""  # the version that it is about, or the reason of a refusal
+    offset: Count = 0  # bytes of the wheel that it has
+
+
+UpdateOrder = WheelOffer | WheelPart | Install | Switch | Rollback
+FromNode = NodeFacts | PicturePart | Answer
+FromMaster = PictureWanted | Restart | UpdateOrder
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
 _from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(FromMaster)
