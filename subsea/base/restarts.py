@@ -20,7 +20,7 @@ def restart() -> int:
     """
     if SERVICE in os.environ:
         return TRANSIENT
-    command = restart_command(sys.argv, sys.executable, sys.orig_argv)
+    command = restart_command(sys.argv, sys.orig_argv, sys.executable)
     try:
         os.execv(command[0], command)
     except OSError as fault:
@@ -28,7 +28,7 @@ def restart() -> int:
     return TRANSIENT
 
 
-def restart_command(arguments: Sequence[str], python: str, original: Sequence[str]) -> list[str]:
+def restart_command(arguments: Sequence[str], original: Sequence[str], python: str) -> list[str]:
     """The command of a process, from its arguments with and without those of Python.
 
     A program such as ``bin/subsea`` is started by its own path, not by the Python that its first

@@ -60,7 +60,7 @@ def test_a_program_that_has_gone_is_a_line(monkeypatch, capsys):
 def test_a_program_is_started_by_its_own_path(tmp_path):
     program = tmp_path / "subsea"
     program.touch()
-    given = [str(program), "dive"], "/venv/bin/python", ["python", "-P", str(program), "dive"]
+    given = [str(program), "dive"], ["python", "-P", str(program), "dive"], "/venv/bin/python"
     assert restart_command(*given) == ["/venv/bin/python", "-P", str(program), "dive"]
     program.chmod(0o755)
     assert restart_command(*given) == [str(program), "dive"]

@@ -51,7 +51,9 @@ class RollCall:
                 self._socket.send_multipart([self._routes[name], data], zmq.NOBLOCK)
 
     def close(self) -> None:
-        """Close all connections."""
+        """Close all connections; a second call does nothing."""
+        if self._socket.closed:
+            return
         self._failures.close(0)
         self._socket.disable_monitor()
         self._socket.close()

@@ -42,7 +42,7 @@ def running_installation() -> LinkedEnvironment:
     """The environment of this process; a UserError if no link leads to it."""
     if CHECKOUT.is_file():
         raise UserError("subsea runs from a checkout, which no wheel replaces")
-    for program in (sys.executable, sys.argv[0]):
+    for program in (sys.argv[0], sys.executable):
         folder = Path(program).absolute().parents[1]
         if folder.is_symlink() and folder.resolve() == Path(sys.prefix).resolve():
             return LinkedEnvironment(folder, Path(sysconfig.get_path("purelib")))
@@ -77,13 +77,15 @@ def install(wheel: Wheel, place: LinkedEnvironment) -> Path:
         venv.EnvBuilder(symlinks=os.name == "posix").create(folder)
         (folder / MARK).touch()
         python = _program(folder, "python")
-        site = Path(_said([python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]))
+        site = Path(
+            _said([python, "-P", "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"])
+        )
         _copy_packages(place.site, site)
         if not (site / "pip").is_dir():
-            _said([python, "-m", "ensurepip"])
+            _said([python, "-P", "-m", "ensurepip"])
         offline = "--no-index", "--no-deps", "--disable-pip-version-check", "--quiet"
-        _said([python, "-m", "pip", "install", *offline, str(wheel.path)])
-        _said([python, "-m", "pip", "check", "--disable-pip-version-check"])
+        _said([python, "-P", "-m", "pip", "install", *offline, str(wheel.path)])
+        _said([python, "-P", "-m", "pip", "check", "--disable-pip-version-check"])
         _try(folder, wheel.version)
     except (OSError, shutil.Error, subprocess.SubprocessError) as fault:
         shutil.rmtree(folder, ignore_errors=True)
@@ -169,7 +171,8 @@ def _said(command: Sequence[str]) -> str:
         stdin=subprocess.DEVNULL, check=False,
     )  # fmt: skip
     if done.returncode != 0:
-        lines = [line for line in (done.stderr + done.stdout).splitlines() if line.strip()]
-        reason = lines[-1] if lines else f"exit code {done.returncode}"
-        raise UserError(f"{Path(command[0]).name} {' '.join(command[1:4])}: {reason}")
+        lines = [line for line in (done.stdout + done.stderr).splitlines() if line.strip()]
+        code = f"exit code {done.returncode}"
+        name = f"{Path(command[0]).name} {' '.join(command[1:4])}"
+        raise UserError(": ".join([name, code, *lines[-1:]]))
     return done.stdout.strip()

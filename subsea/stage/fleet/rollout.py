@@ -41,9 +41,9 @@ class Rollout:
         self._heard_s: dict[str, float] = {}
         self._answers: list[tuple[str, Answer]] = []
 
-    def gather(self, limit_s: float = CALL_S) -> list[str]:
+    def gather(self) -> list[str]:
         """Wait until all nodes have told their version; returns those that have not."""
-        end = time.monotonic() + limit_s
+        end = time.monotonic() + CALL_S
         while len(self.facts) < len(self._nodes) and time.monotonic() < end:
             self._hear()
         return [name for name in self._nodes if name not in self.facts]
@@ -82,15 +82,17 @@ class Rollout:
 
     def _come_back(self, versions: Mapping[str, str]) -> list[str]:
         """Wait until all nodes call with their new version; returns those that do not."""
-        self.facts.clear()
-        end = time.monotonic() + WORK_S
+        asked_s = time.monotonic()
+        end = asked_s + WORK_S
+
+        def is_back(name: str) -> bool:
+            """True if a dive that has begun since then says that version."""
+            if name not in self.facts or self.facts[name].version != versions[name]:
+                return False
+            return self._heard_s[name] - self.facts[name].up_s >= asked_s
 
         def waiting() -> list[str]:
-            return [
-                name
-                for name in self._nodes
-                if name not in self.facts or self.facts[name].version != versions[name]
-            ]
+            return [name for name in self._nodes if not is_back(name)]
 
         told: set[str] = set()
         while (missing := waiting()) and time.monotonic() < end:
@@ -166,6 +168,6 @@ class Rollout:
             with suppress(UserError):  # of another version
                 message = messages.from_node(data)
                 if isinstance(message, NodeFacts):
-                    self.facts[name] = message
+                    self.facts[name], self._heard_s[name] = message, time.monotonic()
                 elif isinstance(message, Answer):
                     self._answers.append((name, message))
