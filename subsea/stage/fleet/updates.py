@@ -74,8 +74,8 @@ class Updates:
         return answers
 
     def close(self) -> None:
-        """End the thread, and remove a wheel that is not complete."""
-        self._thread.shutdown(cancel_futures=True)
+        """Begin no more work, and close a wheel that is not complete."""
+        self._thread.shutdown(wait=False, cancel_futures=True)
         if self._file is not None:
             self._file.close()
 

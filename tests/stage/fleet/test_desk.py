@@ -23,6 +23,7 @@ from subsea.stage.fleet.messages import (
     PicturePart,
     PictureWanted,
     Restart,
+    Rollback,
     encode,
     from_master,
     from_node,
@@ -171,6 +172,16 @@ def test_a_station_sends_a_picture_and_restarts():
     with Image.open(BytesIO(jpeg)) as picture:
         assert picture.size == (320, 180)
         assert picture.convert("RGB").getpixel((160, 90))[2] > 180
+
+
+def test_without_keys_orders_of_an_update_are_refused():
+    with closing(FleetStation()) as station:
+        station.hear(encode(Rollback()))
+        [answer] = map(from_node, station.take_answers())
+        assert not answer.done
+        assert answer.order == "rollback"
+        assert answer.words.startswith("updates need keys: `subsea keys` makes them")
+        assert not station.restarts
 
 
 def test_parts_that_do_not_follow_each_other_are_dropped():
