@@ -18,13 +18,14 @@ async function command(name, values, question = "") {
     complain(say("No connection to the dive; trying again"));
   }
 }
-// The answer to a question; closing the question by Esc is a no.
+// The answer to a question; Esc is a no. Not the event of closing: it comes late, in another question.
 function sure(question) {
   write("question", question);
-  get("ask").returnValue = "no";
   get("ask").showModal();
-  return new Promise(done => get("ask").addEventListener("close",
-    () => done(get("ask").returnValue === "yes"), { once: true }));
+  return new Promise(done => {
+    get("yes").onclick = () => done(true);
+    get("no").onclick = get("ask").oncancel = () => done(false);
+  });
 }
 
 const language = document.documentElement.lang;

@@ -139,6 +139,7 @@ def test_the_question_is_answered_by_keyboard(console, hall):
 
 
 def test_a_screen_reader_finds_names(hall):
+    hall.until(f"{card(0)}.querySelector('img').alt")
     tree = hall.tree()
     assert not [one for one in tree if one["role"] in CONTROLS and not one["name"].strip()]
     named = {(one["role"], one["name"]) for one in tree}
