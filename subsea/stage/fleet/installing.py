@@ -72,6 +72,8 @@ def install(wheel: Wheel, place: LinkedEnvironment) -> Path:
     if folder.exists():
         if folder.resolve() == place.link.resolve():
             raise UserError(f"this computer runs this very wheel already: {folder}")
+        if folder.resolve() == place.before.resolve():
+            raise UserError("the version before is this very wheel: `subsea fleet rollback`")
         shutil.rmtree(folder)
     try:
         venv.EnvBuilder(symlinks=os.name == "posix").create(folder)

@@ -89,6 +89,8 @@ def test_a_wheel_is_installed_switched_to_and_rolled_back(place, tmp_path):
     roll_back(place)
     assert said(place) == "subsea 1.0"
     assert version_before(place) == "2.0"
+    with pytest.raises(UserError, match="the version before is this very wheel"):
+        install(wheel, place)
     left = tmp_path / "subsea-1.5-00000000"
     left.mkdir()
     (left / MARK).touch()
