@@ -15,6 +15,7 @@ from picture_files import output_folder, save
 from PIL import Image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.dive.settings import DisplaySettings, Settings
 from subsea.stage.console.options import ConsoleOptions, ListenAddress
 from subsea.stage.parts import ConsolePart
 from subsea.ui.dive import Dive
@@ -30,7 +31,8 @@ def main() -> None:
         free.bind(("127.0.0.1", 0))
         port = int(free.getsockname()[1])
     console = ConsolePart(ConsoleOptions(ListenAddress(ip_address("127.0.0.1"), port)))
-    options = DiveOptions("rendezvous", seed=1, display=display, parts=[console])
+    settings = Settings(display=DisplaySettings(introduction="off"))  # which has captions, too
+    options = DiveOptions("rendezvous", seed=1, display=display, settings=settings, parts=[console])
     with closing(Dive(options)) as dive:
         dive.overlay.hide_help()
         with TemporaryDirectory() as folder:

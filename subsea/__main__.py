@@ -13,7 +13,10 @@ def main() -> int:
 def _command() -> int:
     from subsea.cli.main import main  # may be interrupted, as it takes a while
 
-    return main()
+    code = main()
+    from subsea.base.restarts import RESTART, restart
+
+    return restart() if code == RESTART else code
 
 
 if __name__ == "__main__":

@@ -71,6 +71,7 @@ function draw() {
   drawCues();
   drawHealth();
   get("projectors").hidden = !state.projectors;
+  get("fleet").hidden = !state.fleet;
   get("feed").disabled = state.several_computers;
   for (const id of ["scenario-form", "fish-form"])
     for (const one of get(id).querySelectorAll("button[type=submit], #ride, select"))

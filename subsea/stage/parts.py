@@ -347,11 +347,13 @@ class ConsolePart(DivePart):
     def begin(self, dive: "Dive") -> None:
         """Open the console; a fault, such as a port that is taken, is one line."""
         from subsea.stage.console.remote_control import open_console
+        from subsea.stage.fleet_part import fleet_of
 
         theatre = theatre_of(dive.parts)
         line_up = None if theatre is None else theatre.line_up
         light = None if theatre is None else lambda: theatre.light
-        self.remote = open_console(dive, self._options, show_of(dive.parts), line_up, light)
+        fleet = fleet_of(dive.parts)
+        self.remote = open_console(dive, self._options, show_of(dive.parts), line_up, light, fleet)
 
     def beat(self) -> None:
         """Note that the dive is alive."""

@@ -267,6 +267,11 @@ def describe(name: str, write: Path | None = None, force: bool = False) -> int:
         others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
         print_line(f"master {master} at {address}, with {others}")
         faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
+    for node in theatre.node:
+        print_line(f"node {node.name}: woken at {node.mac} through {node.wake}")
+    for projector in theatre.projector:
+        place = f"{projector.address}, port {projector.port}"
+        print_line(f"projector {projector.name}: PJLink at {place}")
     refused, unused = import_notes(theatre)
     for fact in unused:
         print_line(f"left out: {fact}")

@@ -12,6 +12,7 @@ from subsea.base.interrupts import deferred_interrupts
 from subsea.base.language import marked, set_language, translated
 from subsea.base.memory import give_back_memory
 from subsea.base.progress import say
+from subsea.base.restarts import RESTART
 from subsea.dive.captions import Caption, FaultLog, caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.live_sound import LiveSound
@@ -100,6 +101,7 @@ class Dive:
         self._passed_s = 0.0  # seconds since the last frame that other frames have shown
         self.pictures = 0  # of the sea, shown so far
         self.black = False  # True while a part keeps the screens black
+        self.restarts = False  # True if the command starts again after the dive
         self.faults = FaultLog()
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
@@ -322,6 +324,11 @@ class Dive:
             self.sound.head = at_rest
             self.note_fault(f"{fault}; {GOES_ON}")
 
+    def restart(self) -> None:
+        """End, and let the command start again."""
+        self.restarts = True
+        self.window.ask_to_close()
+
     def end(self) -> None:
         """End in order: nobody wants to see more."""
         for part in self.parts:
@@ -541,7 +548,8 @@ class Dive:
 def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[str] = ()) -> int:
     """Dive until the window is closed, the menu says so, or the time is over; exit code 0.
 
-    The parts of the options are planned. `opening` is the windows, if they are open already.
+    RESTART if a part wants the command to start again. The parts of the options are planned.
+    `opening` is the windows, if they are open already.
     `notes` are lines to show at first.
     """
     start = options.start
@@ -573,4 +581,5 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 last = now
             running.end()
             running.show_message(marked("closing"))  # it may take seconds, and a film is completed
+        return RESTART if running.restarts else 0
     return 0

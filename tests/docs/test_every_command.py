@@ -82,6 +82,7 @@ NOT_TYPED = {
     "curl": "it asks a dive that goes on",
     "subsea dive --console 0.0.0.0:8880": "it listens to other computers; tests/console does that",
     "subsea dive --stream rtp://239.10.10.1:5004": "it sends to other computers",
+    "subsea fleet": "it needs nodes; tests/stage/fleet has some",
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",
@@ -146,7 +147,7 @@ SEAS = "dive", "film", "simulate", "benchmark", "soak"
 # Pages whose blocks of TOML without a file name are read, by their reader.
 SEA_PAGES = "scenarios.md", "directing.md", "builder.md"
 SETTINGS_PAGES = ("settings.md",)
-THEATRE_PAGES = "theatre-file.md", "cluster.md"
+THEATRE_PAGES = "theatre-file.md", "cluster.md", "fleet.md"
 SHOW_PAGES = ("show.md",)
 
 SEA = """
@@ -277,7 +278,7 @@ class Workshop:
         elif words[0] == "dask":
             part = {"scheduler": dask_scheduler, "worker": dask_worker}[words[1]]
             part.main.make_context(words[1], words[2:])
-        elif words[0] in ("mkdir", "cp", "sed"):
+        elif words[0] in ("mkdir", "cp", "sed", "echo", "chmod"):
             subprocess.run(["sh", "-c", command.text], check=True)
         else:
             raise AssertionError(

@@ -23,6 +23,7 @@ from subsea.world.world import World
 CALL_S = 1.0  # interval of calls to a silent master
 SILENT_S = 1.0  # shortest silence that counts, as a master may draw slowly
 HURRY_S = 0.25  # longest time without a picture while a node catches up
+FLEET_HEARD = 64  # messages of the fleet that nobody has taken
 ENDED = 3  # connections that end before they begin, after which a node says so
 NO_KEYS = "one uses keys and the other does not, or it is another program"
 
@@ -58,6 +59,7 @@ class Follower:
         self._given = b""  # the state that a new master fetches
         self._number = 0  # of the last picture
         self._alpha = 1.0
+        self.fleet_heard: deque[bytes] = deque(maxlen=FLEET_HEARD)
         self._heard: deque[messages.FromMaster] = deque()
         self._heard_s = self._called_s = -math.inf
         self._garbled = False
@@ -119,6 +121,10 @@ class Follower:
     def report(self, words: str) -> None:
         """Tell the presenter a line, if there is a connection."""
         self._say(messages.NodeReport(words[:1000]))
+
+    def send_fleet(self, data: bytes) -> bool:
+        """Send a message of the fleet to the master; False if there is no connection."""
+        return self._send(data)
 
     def ask(self, command: bytes) -> None:
         """Ask the master to apply a command of this node's keyboard, if there is a connection."""
@@ -215,6 +221,11 @@ class Follower:
             try:
                 if len(frames) != 1:
                     raise UserError("the message received is not one of subsea")
+                if frames[0].startswith(messages.FLEET):
+                    self.fleet_heard.append(frames[0])
+                    if time.monotonic() >= end:
+                        return None
+                    continue
                 message = messages.from_master(frames[0])
             except UserError as fault:
                 if not self._garbled:
@@ -248,8 +259,11 @@ class Follower:
 
     def _say(self, message: messages.FromNode) -> bool:
         """Send to the master; False if there is no connection."""
+        return self._send(messages.encode(message))
+
+    def _send(self, data: bytes) -> bool:
         try:
-            self._socket.send(messages.encode(message), zmq.NOBLOCK)
+            self._socket.send(data, zmq.NOBLOCK)
         except zmq.Again:
             return False
         return True

@@ -8,9 +8,11 @@ import errno
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import zmq
+from zmq.auth.thread import ThreadAuthenticator
 from zmq.utils.monitor import parse_monitor_message
 
 from subsea.base.errors import TransientError, UserError
@@ -47,6 +49,17 @@ def endpoint(address: str, keys: Keys | None) -> str:
             '`subsea keys DIR NAME...` makes them, `keys = "DIR"` in the theatre file uses them'
         )
     return f"tcp://[{ip}]:{port}" if ip.version == 6 else f"tcp://{ip}:{port}"
+
+
+def authenticator(context: "zmq.Context[Any]", keys: Keys) -> ThreadAuthenticator:
+    """Start the thread that lets only the known keys of others pass; stop it at the end."""
+    made = ThreadAuthenticator(context)
+    made.start()
+    known = set(keys.others.values())
+    made.configure_curve_callback(
+        credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
+    )
+    return made
 
 
 def listening(

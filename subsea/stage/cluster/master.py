@@ -7,12 +7,10 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import zmq
-from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.base.errors import UserError, printable
 from subsea.dive.presented import NOTHING
@@ -93,6 +91,7 @@ Say = Callable[[str], None]
 
 CHECK_TICKS = 30  # interval of checksums of the world: once a second
 NUDGE_S = 0.02  # interval at which late nodes are probed
+FLEET_HEARD = 1000  # messages of the fleet that nobody has taken
 NEAR = 30  # most pictures that a node may be behind to be waited for again
 LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
 LINE_UP_S = 1.0  # longest time between two messages with the line-up
@@ -125,6 +124,7 @@ class Master:
         self._lined_up: tuple[LineUpState | None, float] = None, 0.0  # sent last, and when
         self.reports: deque[str] = deque(maxlen=64)  # lines of nodes for the presenter
         self.asked: deque[bytes] = deque(maxlen=64)  # commands of the nodes' keyboards
+        self.fleet_heard: deque[tuple[str, bytes]] = deque(maxlen=FLEET_HEARD)  # node, message
         self.offers = ""  # the scenario that nodes may open to take part; empty: none
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
         self._identity = identity_of(world, view)
@@ -135,15 +135,10 @@ class Master:
         self._source: NodeRecord | None = None  # the node whose state was asked for ...
         self._parts: deque[messages.StatePart] = deque(maxlen=64)  # ... and its parts
         self._context: Any = zmq.Context()
-        self._authenticator = None
+        self._authenticator: Any = None
         try:
             if keys:
-                self._authenticator = ThreadAuthenticator(self._context)
-                self._authenticator.start()
-                known = set(keys.others.values())
-                self._authenticator.configure_curve_callback(
-                    credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
-                )
+                self._authenticator = link.authenticator(self._context, keys)
             self._socket, self._failures = link.listening(
                 self._context, address, keys, messages.SMALL
             )
@@ -269,6 +264,12 @@ class Master:
                 node.waits.add(max(node.drawn_s - start, 0.0))
             self._send(node, messages.encode(messages.Swap(self._number)))
 
+    def send_fleet(self, name: str, data: bytes) -> None:
+        """Send a message of the fleet to a node, if it is connected."""
+        node = self.nodes[name]
+        if node.route is not None:
+            self._send(node, data)
+
     def report(self) -> list[str]:
         """One line for each node with its wait times and events."""
         return [f"node {node.name}: {node.waits.words()}" for node in self.nodes.values()]
@@ -304,15 +305,20 @@ class Master:
         try:
             if len(content) != 1:
                 raise UserError("the message received is not one of subsea")
-            message = messages.from_node(content[0].bytes)
+            data = content[0].bytes
+            if data.startswith(messages.FLEET):
+                self.fleet_heard += [(node.name, data) for node in self._from(route)]
+                return
+            message = messages.from_node(data)
         except UserError as fault:
             self._report_refused(str(fault))
             self._reply(route, messages.Refused(str(fault)[:200]))
             return
         if isinstance(message, messages.Hello):
             self._welcome(route, message, content[0])
-        elif node := next((node for node in self._present() if node.route == route), None):
-            self._answer(node, message)  # not of a dropped connection
+        else:
+            for node in self._from(route):
+                self._answer(node, message)
 
     def _answer(
         self,
@@ -376,7 +382,7 @@ class Master:
             reason = f"another computer has come as node {node.name}"
             self._reply(node.route, messages.Refused(reason))
             self._drop(node, reason)
-        node.route, node.tick = route, hello.tick
+        node.route, node.tick, node.refusal = route, hello.tick, ""
         node.asks, node.in_step = True, False
 
     def _refuse(self, name: str, reason: str) -> None:
@@ -410,6 +416,10 @@ class Master:
         node.diverged_s = now
         self._tell(f"node {node.name}: its world differs at tick {tick}; it fetches the state")
         node.asks, node.in_step = True, False
+
+    def _from(self, route: bytes) -> list[NodeRecord]:
+        """The node of a connection; none of a dropped one."""
+        return [node for node in self._present() if node.route == route]
 
     def _present(self) -> list[NodeRecord]:
         return [node for node in self.nodes.values() if node.route is not None]

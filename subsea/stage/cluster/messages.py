@@ -17,8 +17,9 @@ from subsea.dive.presented import NOTHING, Presented
 from subsea.stage.theatre.line_up import LineUpState
 from subsea.submarine.vessel import Helm, Rail
 
-PROTOCOL = 7
+PROTOCOL = 8
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
+FLEET = b"subsea-fleet\x00"  # begins messages of `stage/fleet/messages.py`, which pass unread
 SMALL = 4096  # bytes; all messages but the state of a dive and a line-up are smaller
 LINE_UP = 1 << 20  # bytes of a picture with a line-up
 PART = 3800  # bytes of a state in a message to the master: with all around them below SMALL

@@ -107,6 +107,16 @@ class LeaderTicks(TickSource):
         self._master.reports.clear()
         return lines
 
+    def fleet_heard(self) -> list[tuple[str, bytes]]:
+        """Take the messages of the fleet, each with its node."""
+        heard = list(self._master.fleet_heard)
+        self._master.fleet_heard.clear()
+        return heard
+
+    def send_fleet(self, name: str, data: bytes) -> None:
+        """Send a message of the fleet to a node, if it is connected."""
+        self._master.send_fleet(name, data)
+
     def asked(self) -> list[bytes]:
         """Take the commands of the nodes' keyboards."""
         commands = list(self._master.asked)
@@ -135,6 +145,7 @@ class LeaderTicks(TickSource):
                 "late": node.waits.late,
                 "dropped": node.waits.dropped,
                 "diverged": node.waits.diverged,
+                "refusal": node.refusal,
             }
             for node in self._master.nodes.values()
         ]
@@ -179,6 +190,16 @@ class FollowerTicks(TickSource):
     def ask(self, command: bytes) -> None:
         """Ask the master to apply a command of this node's keyboard."""
         self._node.ask(command)
+
+    def fleet_heard(self) -> list[bytes]:
+        """Take the messages of the fleet."""
+        heard = list(self._node.fleet_heard)
+        self._node.fleet_heard.clear()
+        return heard
+
+    def send_fleet(self, data: bytes) -> bool:
+        """Send a message of the fleet to the master; False if there is no connection."""
+        return self._node.send_fleet(data)
 
     def report(self, words: str) -> None:
         """Tell the presenter at the master a line."""

@@ -7,6 +7,7 @@ them, and puts commands into a queue of bounded length.
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from queue import Empty, Full, Queue
 
 import numpy as np
@@ -33,9 +34,11 @@ class Board:
         self.health = b"{}"  # JSON
         self.picture: Bytes | None = None  # (h, w, 4)
         self.picture_number = 0  # changes with the picture
+        self.node_pictures: dict[str, bytes] = {}  # the last JPEG of each node
         self.refusals = FaultLog(clock)  # of commands; the last is seen in state and health
         self._clock = clock
         self._waiting: Queue[Request] = Queue(MOST_WAITING)
+        self._wanted_nodes: Queue[str] = Queue(MOST_WAITING)
         self._wanted_s = self._beat_s = -np.inf
 
     def put(self, command: PresenterCommand) -> "Future[str]":
@@ -68,6 +71,19 @@ class Board:
     def picture_wanted(self) -> bool:
         """True if somebody looks at the pictures."""
         return self._clock() - self._wanted_s < WANTED_S
+
+    def want_node(self, name: str) -> None:
+        """Ask the dive for a picture of a node; too many requests are dropped."""
+        with suppress(Full):
+            self._wanted_nodes.put_nowait(name)
+
+    def take_wanted_nodes(self) -> list[str]:
+        """Take the names of the nodes whose pictures are wanted. For the dive."""
+        names = []
+        with suppress(Empty):
+            while True:
+                names.append(self._wanted_nodes.get_nowait())
+        return names
 
     def show(self, picture: Bytes) -> None:
         """Publish a picture (h, w, 4)."""

@@ -226,6 +226,25 @@ class ShowStructuredLight(PresenterCommand, frozen=True, tag="structured-light")
     ] = -1
 
 
+class RestartNode(PresenterCommand, frozen=True, tag="restart"):
+    """The command `restart`."""
+
+    node: Annotated[Name, Meta(description="a node of the theatre, or all")]
+
+
+class WakeNode(PresenterCommand, frozen=True, tag="wake"):
+    """The command `wake`."""
+
+    node: Annotated[Name, Meta(description="a node with a `mac` in the theatre file, or all")]
+
+
+class SwitchProjector(PresenterCommand, frozen=True, tag="projector"):
+    """The command `projector`."""
+
+    name: Annotated[Name, Meta(description="a [[projector]] of the theatre file, or all")]
+    on: bool
+
+
 COMMANDS: dict[type[PresenterCommand], str] = {
     OpenScenario: "Open a scenario",
     StartTour: "Start a tour",
@@ -254,6 +273,9 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     RedoLineUp: "Make it again",
     CompareLineUp: "Show what the theatre file has for comparison, or the changes again",
     SaveLineUp: "Save the line-up into the theatre file, on all computers",
+    RestartNode: "End the dive of a computer, and start it again with the same options",
+    WakeNode: "Switch a computer on through the network",
+    SwitchProjector: "Switch a projector on, or to standby",
     ShowStructuredLight: "Show a picture of a theatre's structured light to calibrate it",
 }
 """The commands with their purposes, for clients and the reference."""

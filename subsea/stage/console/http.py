@@ -29,6 +29,7 @@ from subsea.base.language import first_known, translated
 from subsea.base.system import resource_path
 from subsea.stage.console.board import RETRY, Board
 from subsea.stage.console.commands import described, from_json
+from subsea.stage.console.metrics import metrics
 from subsea.stage.console.options import ConsoleOptions
 
 MAX_BODY = 4096  # bytes
@@ -44,9 +45,10 @@ ASSETS = {
     "/client.js": ("client.js", "text/javascript"),
     "/console.js": ("console.js", "text/javascript"),
     "/line-up.js": ("line-up.js", "text/javascript"),
+    "/fleet.js": ("fleet.js", "text/javascript"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
 }
-PAGES = {"/": "index.html", "/line-up": "line-up.html"}
+PAGES = {"/": "index.html", "/line-up": "line-up.html", "/fleet": "fleet.html"}
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -116,6 +118,7 @@ class HttpConsole:
         app.router.add_get("/words", self._words)
         app.router.add_get("/api/state", self._state)
         app.router.add_get("/api/picture.jpg", self._picture)
+        app.router.add_get("/api/nodes/{name}.jpg", self._node_picture)
         app.router.add_get("/api/commands", self._list)
         app.router.add_post("/api/commands", self._command)
         silent = logging.Logger("console")
@@ -261,6 +264,15 @@ class HttpConsole:
             self._jpeg = jpeg_of(board.picture)
         return web.Response(body=self._jpeg, content_type="image/jpeg")
 
+    async def _node_picture(self, request: web.Request) -> web.Response:
+        """The last picture of a node, 204 without one; the next one is asked for."""
+        name = request.match_info["name"][:64]
+        self._board.want_node(name)
+        jpeg = self._board.node_pictures.get(name)
+        if jpeg is None:
+            return web.Response(status=204)
+        return web.Response(body=jpeg, content_type="image/jpeg")
+
     async def _command(self, request: web.Request) -> web.Response:
         """Give a command to the dive and wait for its result."""
         try:
@@ -314,31 +326,6 @@ def filled(text: str, token: bool = False, code: str = "en") -> str:
 def fault(status: int, reason: str) -> web.Response:
     """A refusal with its reason as JSON."""
     return web.json_response({"error": reason}, status=status)
-
-
-def metrics(health: dict[str, Any], alive: bool, frame_age_s: float) -> str:
-    """Write the figures of a dive as Prometheus reads them; one that is unknown is left out."""
-    last_fault, refusal = health.get("fault") or {}, health.get("refusal") or {}
-    loading = health.get("loading")
-    known = {
-        "alive": ("1 if a picture was drawn within ten seconds", int(alive)),
-        "frame_age_seconds": ("since the last picture", frame_age_s),
-        "up_seconds": ("since the start of the dive", health.get("up_s")),
-        "pictures_per_second": ("shown", health.get("pictures_a_s")),
-        "loading": ("1 while a scenario is opened", None if loading is None else int(loading)),
-        "fault_age_seconds": ("since the last fault", last_fault.get("ago_s")),
-        "refusal_age_seconds": ("since the last command was refused", refusal.get("ago_s")),
-    }
-    lines = []
-    for name, (about, value) in known.items():
-        if value is not None and value != float("inf"):
-            lines += [f"# HELP subsea_{name} {about}", f"# TYPE subsea_{name} gauge"]
-            lines.append(f"subsea_{name} {value}")
-    if nodes := health.get("nodes"):
-        name = "subsea_node_in_step"
-        lines += [f"# HELP {name} 1 if a node draws every picture", f"# TYPE {name} gauge"]
-        lines += [f'{name}{{node="{node}"}} {int(at)}' for node, at in nodes.items()]
-    return "\n".join(lines) + "\n"
 
 
 def same(given: str, known: str) -> bool:

@@ -29,6 +29,8 @@ from subsea.world.feeding import EVERY_S
 from subsea.world.step import cue_direction
 
 if TYPE_CHECKING:
+    from subsea.stage.fleet.desk import FleetDesk
+    from subsea.stage.fleet_part import FleetPart
     from subsea.stage.line_up import TheatreLineUp
     from subsea.stage.structured_light import StructuredLight
     from subsea.ui.dive import Dive
@@ -47,13 +49,13 @@ class RemoteControl:
     def __init__(
         self, dive: "Dive", board: Board, server: ConsoleServer | None,
         show: ShowScreens | None = None, line_up: "TheatreLineUp | None" = None,
-        light: "Callable[[], StructuredLight] | None" = None,
+        light: "Callable[[], StructuredLight] | None" = None, fleet: "FleetPart | None" = None,
     ) -> None:  # fmt: skip
         """`server` serves the board, None: nobody; the others are those of the dive."""
         self.presented = NOTHING  # over the picture
         self.board = board
         self._dive, self._board, self._server, self._show = dive, board, server, show
-        self._line_up, self._light = line_up, light
+        self._line_up, self._light, self._fleet = line_up, light, fleet
         self._rate = 0.0  # pictures a second
         self._presentation = Presentation()
         self._small = SmallPicture(dive.window_set.context, PICTURE_WIDTH)
@@ -99,6 +101,10 @@ class RemoteControl:
         """Publish a small picture of the window now and then, if somebody looks."""
         if (picture := self._small.read()) is not None:
             self._board.show(picture)
+        if self._fleet is not None and (desk := self._fleet.desk) is not None:
+            for name in self._board.take_wanted_nodes():
+                desk.want_picture(name)
+            self._board.node_pictures = desk.pictures
         now = time.monotonic()
         if self._board.picture_wanted and now - self._pictured_s >= PICTURE_S:
             self._pictured_s = now
@@ -175,11 +181,25 @@ class RemoteControl:
                 if dive.picture.pattern != on:
                     dive.picture.show_pattern(dive.overlay.help_hidden)
                 return "the screens show the test pattern" if on else "the screens show the sea"
+            case commands.RestartNode(node):
+                return self._desk.restart(node)
+            case commands.WakeNode(node):
+                return self._desk.wake(node)
+            case commands.SwitchProjector(name, on):
+                return self._desk.projectors.switch(name, on)
             case commands.ShowStructuredLight(number):
                 if self._light is None:
                     raise UserError("no projectors to calibrate: begin the dive with --theatre")
                 return self._light().show(number)
         raise NotImplementedError(type(command).__name__)
+
+    @property
+    def _desk(self) -> "FleetDesk":
+        """The technician's desk; a UserError without a theatre."""
+        desk = None if self._fleet is None else self._fleet.desk
+        if desk is None:
+            raise UserError("no theatre whose computers could be controlled: begin with --theatre")
+        return desk
 
     @property
     def _played(self) -> ShowScreens:
@@ -282,6 +302,7 @@ class RemoteControl:
             say(f"the console refused {refused.text}")
         self._board.state = msgspec.json.encode(state)
         about = {key: state[key] for key in ("up_s", "pictures_a_s", "loading", "fault", "refusal")}
+        about["fleet"] = state["fleet"]
         about["nodes"] = {node["name"]: node["in_step"] for node in nodes}
         self._board.health = msgspec.json.encode(about)
 
@@ -334,6 +355,7 @@ class RemoteControl:
             "line_up": picture.pattern,
             "projectors": None if self._line_up is None else self._line_up.session.describe(),
             "nodes": ticks.nodes() if isinstance(ticks, LeaderTicks) else [],
+            "fleet": self._fleet.desk.describe() if self._fleet and self._fleet.desk else None,
             "several_computers": dive.shared,
             "loading": loading,
             "pictures_a_s": round(pictures_a_s, 1),
@@ -346,6 +368,7 @@ class RemoteControl:
 def open_console(
     dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None,
     line_up: "TheatreLineUp | None" = None, light: "Callable[[], StructuredLight] | None" = None,
+    fleet: "FleetPart | None" = None,
 ) -> RemoteControl | None:  # fmt: skip
     """Open the console of a dive; a fault, such as a port that is taken, is one line."""
     if not dive.tick_source.has_pilot:
@@ -358,7 +381,7 @@ def open_console(
         dive.note(str(fault))
         return None
     say(f"the presenter's console: {options.url}")
-    return RemoteControl(dive, board, server, show, line_up, light)
+    return RemoteControl(dive, board, server, show, line_up, light, fleet)
 
 
 def _scenarios() -> list[dict[str, str]]:

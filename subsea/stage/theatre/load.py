@@ -139,7 +139,12 @@ def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
     """
     names = [channel.name for channel in theatre.channel]
     windows = {window.name: window for window in theatre.window}
-    for kind, given in (("window", [window.name for window in theatre.window]), ("channel", names)):
+    for kind, given in (
+        ("window", [window.name for window in theatre.window]),
+        ("channel", names),
+        ("node", [node.name for node in theatre.node]),
+        ("projector", [projector.name for projector in theatre.projector]),
+    ):
         for k, name in enumerate(given):
             if name in given[:k]:
                 message = f"{given.count(name)} {kind}s are called {name!r}, expected 1"
@@ -210,6 +215,8 @@ def _references(theatre: Theatre) -> Iterator[tuple[str, str, str, tuple[str, ..
     windows = tuple(window.name for window in theatre.window)
     for k, speaker in enumerate(theatre.loudspeaker):
         yield f"loudspeaker[{k}].node", "node", speaker.node, nodes, ""
+    for k, node in enumerate(theatre.node):
+        yield f"node[{k}].name", "node", node.name, nodes, ""
     for name in theatre.room.projectors if theatre.room else ():
         yield f"room.projectors.{name}", "channel", name, channels, "`room.projectors`: "
     for k, channel in enumerate(theatre.channel):

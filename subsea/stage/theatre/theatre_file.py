@@ -4,6 +4,7 @@ Lengths are real centimetres in the axes of somebody who looks ahead: x right, y
 """
 
 import ipaddress
+import re
 from typing import Annotated, ClassVar, Literal
 
 import msgspec
@@ -27,6 +28,15 @@ def parse_address(address: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6A
         raise ValueError(
             f"address {address!r}: expected an IP address and a port, such as 127.0.0.1:5560"
         ) from None
+
+
+def check_ip(address: str, example: str) -> None:
+    """Raise a ValueError for anything but an IP address."""
+    try:
+        ipaddress.ip_address(address)
+    except ValueError:
+        message = f"address {address!r}: expected an IP address such as {example}"
+        raise ValueError(message) from None
 
 
 FOLDER = "assets/theatres"
@@ -261,11 +271,7 @@ class Lights(_Table, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         """Refuse host names: to look one up could take long."""
         if self.address is not None:
-            try:
-                ipaddress.ip_address(self.address)
-            except ValueError:
-                message = f"address {self.address!r}: expected an IP address such as 192.168.1.30"
-                raise ValueError(message) from None
+            check_ip(self.address, "192.168.1.30")
 
 
 SLOTS = 512  # levels in a universe
@@ -290,6 +296,40 @@ class Lamp(_Table, frozen=True, kw_only=True):
         """The channels that it takes, from 1."""
         number = LAMP_COLOURS[self.colours] * (2 if self.fine else 1)
         return range(self.channel, self.channel + number)
+
+
+MAC = r"[0-9A-Fa-f]{2}([:-][0-9A-Fa-f]{2}){5}\Z"
+
+
+class NodeTable(_Table, frozen=True, kw_only=True):
+    """A computer that the network can switch on."""
+
+    name: Name
+    mac: str  # of its network card
+    wake: str = "255.255.255.255:9"  # where the packet that wakes it goes
+
+    def __post_init__(self) -> None:
+        """Refuse other hardware addresses, and host names."""
+        try:
+            parse_address(self.wake)
+        except ValueError as fault:
+            raise ValueError(f"`wake`: {fault}") from None
+        if not re.match(MAC, self.mac):
+            message = f"mac {self.mac!r}: expected six pairs of digits such as 00:1a:2b:3c:4d:5e"
+            raise ValueError(message)
+
+
+class ProjectorTable(_Table, frozen=True, kw_only=True):
+    """A projector that is controlled by PJLink."""
+
+    name: Name
+    address: str
+    port: Annotated[int, msgspec.Meta(ge=1, le=65535)] = 4352
+    password: File | None = None  # a file that holds it, relative to the theatre file
+
+    def __post_init__(self) -> None:
+        """Refuse host names: to look one up could take long."""
+        check_ip(self.address, "192.168.10.41")
 
 
 class VesselTable(_Table, frozen=True, kw_only=True):
@@ -333,6 +373,8 @@ class Theatre(_Table, frozen=True, kw_only=True):
     lights: Lights | None = None
     lamp: Annotated[list[Lamp], msgspec.Meta(max_length=MOST_LAMPS)] = []
     cluster: Cluster | None = None
+    node: Annotated[list[NodeTable], msgspec.Meta(max_length=MOST_WINDOWS)] = []
+    projector: Annotated[list[ProjectorTable], msgspec.Meta(max_length=MOST_WINDOWS)] = []
     room: Room | None = None
     vessel: VesselTable | None = None
 

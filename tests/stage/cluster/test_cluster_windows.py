@@ -4,9 +4,11 @@ import re
 import subprocess
 import sys
 import time
+from io import BytesIO
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from subsea.cli.main import main
 from tests.stage.console.conftest import Client, free_port
@@ -145,6 +147,29 @@ def lines_up_the_left_projector(presenter, file):
     ask("edit", on=False)
 
 
+def watches_and_restarts_a_node(presenter, master, node):
+    """See the left node's facts and picture on the master, and restart its program from there."""
+
+    def left():
+        nodes = presenter.ask("/api/state")[1]["fleet"]["nodes"]
+        return next(one for one in nodes if one["name"] == "left")
+
+    until(lambda: left()["version"] is not None)
+    assert left()["connected"]
+    assert 0.0 < left()["frame_ms"] <= left()["longest_ms"]
+    until(lambda: presenter.ask("/api/nodes/left.jpg")[0] == 200)
+    with Image.open(BytesIO(presenter.ask("/api/nodes/left.jpg")[1])) as picture:
+        shown = np.asarray(picture.convert("RGB"), float)
+    assert shown.shape[:2] == (150, 200)
+    assert sea(shown)
+    told = node.told.count("took the state of the dive")
+    assert presenter.ask("/api/commands", {"command": "restart", "node": "left"})[0] == 200
+    master.until("node left: is in step again")
+    assert node.process.poll() is None  # the same process, by a new program
+    assert node.told.count("took the state of the dive") > told
+    until(lambda: left()["version"] is not None and left()["up_s"] < 60.0)
+
+
 @pytest.mark.nightly  # every day test_lockstep.py restarts a node and resumes a dive
 def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall):
     nodes, start, console = hall
@@ -206,5 +231,6 @@ def test_three_windows_show_one_sea_when_a_node_dies_and_the_master(hall):
         taken = [int(tick) for tick in re.findall(r"state of the dive at tick (\d+)", node.told)]
         assert taken == sorted(taken)  # it did not begin again
         assert taken[0] < int(resumed) <= taken[-1]
+    watches_and_restarts_a_node(presenter, second, again)
     assert (nodes["right"].end(), again.end()) == (130, 130)
     assert not any("differs" in node.told for node in nodes.values())

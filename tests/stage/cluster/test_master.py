@@ -17,6 +17,7 @@ from subsea.stage.cluster.follower import NO_KEYS, Follower
 from subsea.stage.cluster.keys import Keys, read_keys, write_keys
 from subsea.stage.cluster.master import Master
 from subsea.stage.cluster.messages import (
+    FLEET,
     MAGIC,
     SMALL,
     Hello,
@@ -64,6 +65,21 @@ def test_all_nodes_show_the_same(harness, seas):
         assert "ms on average" in line
         assert "late" not in line
         assert "dropped" not in line
+
+
+def test_messages_of_the_fleet_pass_both_ways(harness, seas):
+    left, _ = both_in_step(harness, seas)
+    assert left.node.send_fleet(FLEET + b"\xffof a later version")
+    harness.show_until(lambda: harness.master.fleet_heard)
+    assert list(harness.master.fleet_heard) == [("left", FLEET + b"\xffof a later version")]
+    harness.master.send_fleet("left", FLEET + b"order")
+    harness.show_until(lambda: left.node.fleet_heard)
+    assert list(left.node.fleet_heard) == [FLEET + b"order"]
+    assert not [line for line in harness.told if "refused" in line]
+    assert len(harness.master.in_step()) == 2
+    left.close()
+    harness.show_until(lambda: len(harness.master.in_step()) == 1)
+    harness.master.send_fleet("left", FLEET + b"order")  # nobody is there
 
 
 def test_a_picture_may_have_no_tick(harness, seas):

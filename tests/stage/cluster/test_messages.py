@@ -135,7 +135,7 @@ def test_deeply_nested_messages_are_refused(opening):
 
 def test_another_protocol_is_refused():
     data = encode(PictureDrawn(1))
-    with pytest.raises(UserError, match=r"protocol 9, expected 7: .* version .* than \d"):
+    with pytest.raises(UserError, match=r"protocol 9, expected 8: .* version .* than \d"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 

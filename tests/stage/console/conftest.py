@@ -37,7 +37,8 @@ STATE: dict[str, Any] = {
     "volume": 0.6, "blank": False, "line_up": False, "several_computers": False,
     "nodes": [{"name": "left", "connected": True, "in_step": True, "last_ms": 1.25, "mean_ms": 2.0,
                "longest_ms": 9.0, "late": 0, "dropped": 0, "diverged": 0}],
-    "projectors": None, "loading": False, "pictures_a_s": 59.9, "up_s": 100.0, "fault": None,
+    "projectors": None, "fleet": None, "loading": False, "pictures_a_s": 59.9, "up_s": 100.0,
+    "fault": None,
     "show": {
         "title": "Afternoons", "item": 2, "items": 2, "open": True, "elapsed_s": 30.0,
         "next": "cue", "hours": "open 10:00 to 17:00",
@@ -67,6 +68,7 @@ class FakeDive:
         self.taken: list[PresenterCommand] = []
         self.line_up: LineUp | None = None  # of a theatre
         self.saved: list[Adjustments] = []
+        self.nodes_wanted: list[str] = []  # whose pictures were asked for
         self.alive = True  # beats
         self.stops = False  # takes no commands
         self._ends = False
@@ -92,6 +94,7 @@ class FakeDive:
                     done.set_result(self._apply(command))
                 except UserError as fault:
                     done.set_exception(fault)
+            self.nodes_wanted += self.board.take_wanted_nodes()
             if self.board.picture_wanted:
                 ramp = np.linspace(0, 255, 64 * 36 * 4).reshape(36, 64, 4)
                 self.board.show(ramp.astype(np.uint8))

@@ -68,15 +68,16 @@ def test_prometheus_reads_figures(guarded):
     assert 0.0 <= values["subsea_frame_age_seconds"] < 10.0
 
 
-def test_figures_of_nodes_and_faults():
-    health = {"fault": {"text": "a", "ago_s": 3.5}, "loading": True, "nodes": {"left": False}}
-    lines = http.metrics(health, False, float("inf")).splitlines()
-    assert [line for line in lines if not line.startswith("#")] == [
-        "subsea_alive 0", "subsea_loading 1", "subsea_fault_age_seconds 3.5",
-        'subsea_node_in_step{node="left"} 0',
-    ]  # fmt: skip
-    assert lines[0] == "# HELP subsea_alive 1 if a picture was drawn within ten seconds"
-    assert lines[1] == "# TYPE subsea_alive gauge"
+def test_a_picture_of_a_node(guarded):
+    known = {"Authorization": f"Bearer {TOKEN}"}
+    assert guarded.ask("/api/nodes/left.jpg")[0] == 401
+    assert guarded.ask("/api/nodes/left.jpg", **known)[:2] == (204, b"")
+    guarded.board.node_pictures = {"left": b"\xff\xd8jpeg"}
+    status, data, headers = guarded.ask("/api/nodes/left.jpg", **known)
+    assert (status, data) == (200, b"\xff\xd8jpeg")
+    assert headers.get_content_type() == "image/jpeg"
+    assert guarded.ask("/api/nodes/..%2Fkeys.jpg", **known)[0] in (204, 404)
+    assert set(guarded.dive.nodes_wanted) <= {"left", "../keys"}
 
 
 def test_health_tells_whether_pictures_are_drawn(guarded, monkeypatch):

@@ -208,3 +208,33 @@ def test_lamps_side_by_side_are_taken(tmp_path):
     text = LIGHTS + LAMP + LAMP.replace("one", "two").replace("510", "506") + "universe = 1\n"
     theatre, _ = load_theatre(written(tmp_path, WINDOW + CHANNEL + PLANE + text))
     assert [lamp.channels[-1] for lamp in theatre.lamp] == [512, 508]
+
+
+NODE = '[[node]]\nname = "main"\nmac = "00:1a:2b:3c:4d:5e"\n'
+PROJECTOR = '[[projector]]\nname = "left"\naddress = "192.168.10.41"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        (NODE.replace("main", "lft"), 9, "unknown node 'lft'; there are: main"),
+        (NODE + NODE, 12, "2 nodes are called 'main', expected 1"),
+        (NODE.replace(":5e", ""), 10, "mac '00:1a:2b:3c:4d': expected six pairs of digits such as"),
+        (NODE + 'wake = "192.168.10.255"\n', 11, "`wake`: .* expected an IP address and a port"),
+        (PROJECTOR + PROJECTOR, 12, "2 projectors are called 'left', expected 1"),
+        (PROJECTOR.replace("192.168.10.41", "dome"), 10, "'dome': expected an IP address such as"),
+        (PROJECTOR + "port = 0\n", 11, "of at least 1"),
+        (PROJECTOR + 'password = "//other/file"\n', 11, "password"),
+    ],
+)
+def test_nodes_and_projectors_that_cannot_be_reached_are_refused(tmp_path, text, line, message):
+    path = written(tmp_path, WINDOW + CHANNEL + PLANE + text)
+    with pytest.raises(UserError, match=message) as refused:
+        load_theatre(path)
+    assert refused.value.line == line
+
+
+def test_nodes_and_projectors_have_the_usual_ports(tmp_path):
+    theatre, _ = load_theatre(written(tmp_path, WINDOW + CHANNEL + PLANE + NODE + PROJECTOR))
+    assert theatre.node[0].wake == "255.255.255.255:9"
+    assert theatre.projector[0].port == 4352
