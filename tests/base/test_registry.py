@@ -57,6 +57,7 @@ def test_a_part_of_another_package_takes_part_in_a_dive(outside, display, quiet)
     )
 
 
+@pytest.mark.nightly
 def test_a_format_of_another_package_is_a_theatre(outside, tmp_path):
     path = tmp_path / "mast.sail"
     path.write_text("sail 300x200")
@@ -80,6 +81,7 @@ def test_fishes_follow_a_behavior_of_another_package(outside):
     assert "doze" in done.stdout, done.stderr
 
 
+@pytest.mark.nightly
 def test_a_measure_of_another_package_is_a_row(outside, tmp_path):
     path = simulate(str(BARE), tmp_path / "run.h5", seconds=0.1, fish=4)
     done = subsea(outside, "study", str(path), "--measure", "depth")

@@ -135,6 +135,7 @@ def test_a_pair_dances_from_approach_to_spawning(species, male_cm, female_cm):
     assert np.linalg.norm(fishes.position[0] - fishes.position[1]) > apart + 0.5 * male_cm
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", only([1], [1, 2, 3]))
 def test_clownfish_lay_on_stone_beside_their_anemone(seed):
     reef = {

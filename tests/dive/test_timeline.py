@@ -154,6 +154,7 @@ def test_the_same_orders_repeat_the_same_ticks(world):
     assert snapshot.checksum(world) != first[5]
 
 
+@pytest.mark.nightly
 def test_little_memory_shortens_the_range_of_rewinding(world):
     time = Timeline(world)
     one = time.bytes
@@ -174,6 +175,7 @@ def test_little_memory_shortens_the_range_of_rewinding(world):
     assert snapshot.checksum(world) == last
 
 
+@pytest.mark.nightly
 def test_dragging_a_slider_hardly_shortens_the_range_of_rewinding(world):
     time = Timeline(world)
     one = time.bytes

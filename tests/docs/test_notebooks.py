@@ -16,6 +16,7 @@ SMALLER = {
 }
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("path", only(NOTEBOOKS[:1], NOTEBOOKS), ids=lambda path: path.stem)
 def test_it_runs(path, tmp_path):
     notebook = nbformat.read(path, as_version=4)

@@ -28,6 +28,7 @@ def test_a_view_with_a_number_of_fishes_is_found():
     assert abs(found[1] - 10) <= 6
 
 
+@pytest.mark.nightly
 def test_the_tables_print_both_machines(capsys, monkeypatch):
     for name, small in (("SIMULATED_TICKS", 20), ("PLAYED_TICKS", 3), ("REDUCED_PICTURES", 1)):
         monkeypatch.setattr(paper_tables, name, small)

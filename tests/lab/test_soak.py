@@ -58,6 +58,7 @@ def report(short, tmp_path_factory):
     return path
 
 
+@pytest.mark.nightly
 def test_a_soak_is_sound(report):
     seen = json.loads(report.read_text())
     assert seen["faults"] == []

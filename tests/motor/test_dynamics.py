@@ -201,6 +201,7 @@ def test_it_does_not_waver_between_beat_and_coast(make_tank, species):
     assert 3 <= begun < 1.2 * 300 * TICK
 
 
+@pytest.mark.nightly
 @unlike_species
 def test_every_heading_is_reached_and_held(make_tank, species):
     for azimuth in (-170, -90, -30, 10, 35, 60, 100, 179):

@@ -1,6 +1,7 @@
 """An hour of random commands: no failure, no drift, no fish upside down for long."""
 
 import numpy as np
+import pytest
 
 from subsea.geometry.rotation import about
 from subsea.motor.containment import roll_of
@@ -15,6 +16,7 @@ FISHES = 24
 UPSIDE_DOWN_S = 6.0  # longest time that a fish may lie on its back
 
 
+@pytest.mark.nightly
 def test_an_hour_at_random_commands(shipped_library):
     _, _, library = shipped_library("fusilier")
     rng = np.random.default_rng(4)

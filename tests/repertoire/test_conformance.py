@@ -197,6 +197,7 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species, p
             assert repertoire.provenance["warm_up_beats"][name] == beats
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("turn", only(("cstart_left_wide",), TURNS))
 def test_the_search_for_a_turn_finds_that_of_the_file(turn):
     """Of one fish that is quickly searched; the code that searches is part of every file."""
@@ -213,6 +214,7 @@ def trial_of(species: str, name: str) -> Trial:
     return run_trial(motion_from_provenance(repertoire_of(species).provenance), name)
 
 
+@pytest.mark.nightly
 @given(
     species=st.sampled_from([name for name in SPECIES if load_species(name).muscles]),
     number=st.integers(0, len(SEGMENTS) - 1),

@@ -26,6 +26,7 @@ def test_a_kiosk_survives_cuts_of_the_power_and_a_full_disk(display, capsys, mon
     assert out.endswith("sound\n")
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("order", "full", "code", "faults"),
     [

@@ -43,6 +43,7 @@ def never_comes_back(path):
     time.sleep(1000)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("read", "found"),
     [

@@ -61,6 +61,7 @@ class Page(HTMLParser):
             self.pictures.append(values)
 
 
+@pytest.mark.nightly
 def test_the_page_shows_and_links_what_is_there(folder):
     """With words for those who see no pictures, and no programs of others."""
     text = (folder / "index.html").read_text(encoding="utf-8")

@@ -47,6 +47,7 @@ def play(monkeypatch, tmp_path):
     return play
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("program", "told"),
     [

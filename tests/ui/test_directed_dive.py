@@ -79,6 +79,7 @@ def test_after_a_rewind_the_camera_repeats_its_path(boat, user):
     assert (boat.world.state.tick, snapshot.checksum(boat.world)) == late
 
 
+@pytest.mark.nightly
 def test_input_takes_the_helm_and_later_the_camera_returns_smoothly(boat, user):
     user.glide(boat, 1.0)
     user.do("key", "w")

@@ -26,6 +26,7 @@ def test_it_ends_by_itself(display, words):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.nightly
 def test_the_last_picture_says_that_it_closes(display, monkeypatch, tmp_path):
     settings, shown, drawn = tmp_path / "settings.toml", [], []
     settings.write_text('[controls]\nleave = ["X"]\n')
@@ -80,6 +81,7 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
     assert "anaglyph" in told
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("way", "line"),
     [

@@ -176,6 +176,7 @@ def test_a_covered_panel_is_raised_from_the_bar_and_a_dragged_one_stays_there(
     inspector.places.clear()
 
 
+@pytest.mark.nightly
 def test_back_at_the_helm_the_pointer_steers_again(boat, user):
     assert not boat.inspector.open
     before = heading(boat)

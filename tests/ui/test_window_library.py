@@ -22,6 +22,7 @@ SESSIONS = {  # variables of a session, and the folder of the library that it ne
 }
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have one kind of session")
 @pytest.mark.parametrize("session", SESSIONS)
 def test_windows_load_in_the_session(session):

@@ -119,6 +119,7 @@ def test_help_is_in_the_front_window_only(boat):
     assert max(changed[0], changed[2]) < 20
 
 
+@pytest.mark.nightly
 def test_a_key_in_another_window_steers(boat, user):
     for number in (0, 2):
         depth = boat.world.state.submarine.position[2]
@@ -170,6 +171,7 @@ def test_the_pointer_steers_on_where_it_crosses_a_seam(boat, user):
     assert not left_at
 
 
+@pytest.mark.nightly
 def test_a_key_shows_the_pattern_in_every_window_and_the_sea_again(boat, user):
     before = shown(boat)
     focus(boat, user, 2)

@@ -32,6 +32,7 @@ def away_from(place, *points):
     return np.all([np.hypot(*(place[:, :2] - p).T) > AWAY_CM for p in points], axis=0)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("number", [0, 1])
 def test_a_pebble_that_moves_leaves_the_bay_as_it_is(bay, number):
     x, y = bay.scenario.rock[number].position_cm
@@ -58,6 +59,7 @@ def test_a_pebble_that_moves_leaves_the_bay_as_it_is(bay, number):
         np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name), err_msg=name)
 
 
+@pytest.mark.nightly
 def test_one_more_table_leaves_the_others_as_they_are(bay):
     reef = ReefTable(position_cm=(-600.0, -700.0), spread_cm=60.0, number=20, seed=77)
     weed = SeaweedTable(position_cm=(-600.0, -700.0), spread_cm=60.0, clusters=3)
@@ -71,6 +73,7 @@ def test_one_more_table_leaves_the_others_as_they_are(bay):
     np.testing.assert_array_equal(world.state.seaweed.node[: len(old.node), 0], old.node[:, 0])
 
 
+@pytest.mark.nightly
 def test_a_single_coral_stands_where_it_is_put_on_sand_and_on_stone(bay):
     corals = [
         CoralTable(kind="table", position_cm=(-420.0, 260.0), size_cm=40.0, yaw_deg=90.0),

@@ -73,6 +73,7 @@ def test_the_same_tick_gives_the_same_food():
     assert snapshot.checksum(worlds[0]) == snapshot.checksum(worlds[1])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("hunger", "comes"), [(0.5, True), (0.0, False)])
 def test_a_school_leaves_its_way_for_food_unless_it_is_full(hunger, comes):
     scenario = without_seaweed()

@@ -55,6 +55,7 @@ def test_corners_lie_where_a_fisheye_has_them():
     np.testing.assert_allclose(foot, [0.0, -np.sin(TILT), np.cos(TILT)], atol=1e-9)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("place", [(0.5, 0.5), (0.5, 0.8), (0.25, 0.6), (0.8, 0.35)])
 def test_a_dome_shows_it_where_it_is_in_the_picture(drawn, place):
     bare, shown = (drawn("dome", (256, 256), one) for one in (None, dotted(*place)))

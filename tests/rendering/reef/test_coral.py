@@ -141,6 +141,7 @@ def heights_over(triangles, places):
     return over
 
 
+@pytest.mark.nightly
 def test_no_growth_floats_above_the_ground():
     """The lowest drawn part of a growth touches the sand or mounds as drawn."""
     scenario = load_scenario("peaceful")[0]

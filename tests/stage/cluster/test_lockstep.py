@@ -101,6 +101,7 @@ def common(one, other):
     return len(both)
 
 
+@pytest.mark.nightly
 def test_a_lasting_node_sees_the_same_ticks_as_the_master(dive):
     master, left = dives(dive["master"])[0], dives(dive["left"])[0]
     # Some pictures have no tick, some have three: ticks in between are never shown.

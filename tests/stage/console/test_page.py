@@ -236,6 +236,7 @@ def test_words_of_a_scenario_are_only_words(console, opened):
     assert opened.run("document.querySelectorAll('img').length") == 1
 
 
+@pytest.mark.nightly
 def test_it_goes_on_when_the_dive_returns(console, opened, monkeypatch):
     console.server.close()
     opened.until("document.getElementById('status').textContent.startsWith('No connection')")

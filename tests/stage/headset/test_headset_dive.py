@@ -79,6 +79,7 @@ def test_the_sticks_steer_like_those_of_a_gamepad(worn):
     assert running.pilot.stopping
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "hand",
     [

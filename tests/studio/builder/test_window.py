@@ -177,6 +177,7 @@ def test_a_photograph_lies_behind_the_side_view(window):
     assert green(1.02, 0.21) and not green(0.03, 0.21)
 
 
+@pytest.mark.nightly
 def test_points_are_added_and_removed(window, user, spots):
     builder = window.tool
     before = len(species(window).surface.belly)

@@ -61,6 +61,7 @@ def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, user, spots):
     assert fishes.live.sum() == 1
 
 
+@pytest.mark.nightly
 def test_factors_act_are_restored_by_a_rewind_and_have_defaults(pool, user, spots):
     fish = simulate(pool, user, spots)
     before = snapshot.checksum(pool.world)
@@ -80,6 +81,7 @@ def test_factors_act_are_restored_by_a_rewind_and_have_defaults(pool, user, spot
     assert pool.world.physics == Physics(fish=fish)
 
 
+@pytest.mark.nightly
 def test_an_exploding_fish_is_reported_and_survives(pool, user, spots, capsys):
     simulate(pool, user, spots)
     capsys.readouterr()
