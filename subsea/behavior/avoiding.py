@@ -33,6 +33,7 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.places import place_near
 from subsea.state.schools import known_by
 
 ASIDE = 1.5  # weight of turning away against keeping the course
@@ -101,7 +102,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), CAREFUL)
             set_urge(minds, i, _off_barrier(fishes, minds, i, sea, clock))
             continue
-        away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+        here = vector(fishes.position[i])
+        away = minus(here, place_near(fishes, j, here))
         before = -dot(away, ahead)
         aside = plus(away, times(before, ahead))
         if norm(aside) < PASSING_BL * fishes.length[i]:

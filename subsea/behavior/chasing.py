@@ -7,6 +7,7 @@ from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
 from subsea.state import Clock, Fishes, Minds
+from subsea.state.places import place_near
 
 NEAR_BL = 1.5  # distance within which a fish slows down, for better control
 LEAST_SPEED = 0.25  # share of the fastest speed at which it arrives
@@ -48,7 +49,8 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
 @kernel
 def follow(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
     """Chase fish j, and slow down beside it."""
-    distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
+    place = place_near(fishes, j, vector(fishes.position[i]))
+    distance = chase(fishes, minds, i, place, vector(fishes.velocity[j]))
     if distance < fishes.length[i] + fishes.length[j]:
         fishes.goal_speed[i] = min(fishes.goal_speed[i], BESIDE)
 

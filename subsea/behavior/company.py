@@ -9,6 +9,7 @@ from subsea.behavior.wandering import CRUISE, is_at_home, wander
 from subsea.geometry.vector import minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import NOBODY, PREDATOR, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.places import place_near
 
 LEAST = 0.15  # strength below which a feeling has no effect
 OFF_CM, OFF_BL = 80.0, 4.0  # distance kept for a dislike of 1: this and lengths of the other
@@ -42,10 +43,11 @@ def shun(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, cloc
         if k < 0:
             wander(fishes, minds, i, sea, clock)
             continue
-        away = minus(vector(fishes.position[i]), place_of(fishes, sea, minds.liked[i, k]))
+        here = vector(fishes.position[i])
+        away = minus(here, place_of(fishes, sea, minds.liked[i, k], here))
         level = unit((away[0], away[1], LEVEL * away[2]))
         if not minds.leads[i]:
-            store(minds.waypoint[i], plus(vector(fishes.position[i]), times(AWAY_CM, level)))
+            store(minds.waypoint[i], plus(here, times(AWAY_CM, level)))
             minds.patience[i] = AWAY_S
         set_urge(minds, i, plus(level, times(ONWARD, vector(fishes.goal_direction[i]))))
         fishes.goal_speed[i] = CRUISE[1]
@@ -78,7 +80,7 @@ def disliked(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> int:
 
     Prey leaves its predators and the submarine to fear.
     """
-    least, found = np.inf, -1
+    least, found, here = np.inf, -1, vector(fishes.position[i])
     for k in range(minds.liked.shape[1]):
         j, dislike = minds.liked[i, k], -float(minds.liking[i, k])
         if j == NOBODY or dislike < LEAST:
@@ -86,7 +88,7 @@ def disliked(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> int:
         if minds.kind[i] == PREY and (j == SUBMARINE or minds.kind[j] == PREDATOR):
             continue
         reach = HULL_OFF_CM if j == SUBMARINE else OFF_CM + OFF_BL * float(fishes.length[j])
-        gap = norm(minus(place_of(fishes, sea, j), vector(fishes.position[i])))
+        gap = norm(minus(place_of(fishes, sea, j, here), here))
         if gap < least and gap < dislike * reach:
             least, found = gap, k
     return found
@@ -95,13 +97,13 @@ def disliked(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> int:
 @kernel
 def missed(fishes: Fishes, minds: Minds, i: int) -> int:
     """Return the fish that fish i likes most, if it is in call but not beside it, or NOBODY."""
-    most, found = LEAST, NOBODY
+    most, found, here = LEAST, NOBODY, vector(fishes.position[i])
     for k in range(minds.liked.shape[1]):
         j, liking = minds.liked[i, k], float(minds.liking[i, k])
         if j < 0 or liking < most or not fishes.alive[j]:
             continue
-        there = vector(fishes.position[j])
-        gap = norm(minus(there, vector(fishes.position[i])))
+        there = place_near(fishes, j, here)
+        gap = norm(minus(there, here))
         beside = BESIDE_BL * 0.5 * (fishes.length[i] + fishes.length[j])
         if beside < gap < liking * CALL_CM and is_at_home(minds, i, there):
             most, found = liking, j

@@ -3,9 +3,11 @@
 import numpy as np
 
 from subsea.base.arrays import Ints
-from subsea.geometry.vector import dot, minus, norm, vector
+from subsea.geometry.periodic import nearest_image
+from subsea.geometry.vector import dot, minus, norm, store, vector
 from subsea.kernels import kernel
 from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
+from subsea.state.places import place_near
 
 
 @kernel
@@ -79,7 +81,9 @@ def pass_leadership(fishes: Fishes, minds: Minds, leader: int) -> None:
     if heir != NOBODY:
         # A single follower has nobody left to lead.
         minds.leads[heir] = (minds.leader == heir).any()
-        minds.waypoint[heir] = minds.waypoint[leader]
+        here = vector(fishes.position[heir])
+        goal = nearest_image(vector(minds.waypoint[leader]), here, fishes.period)
+        store(minds.waypoint[heir], goal)
         minds.patience[heir] = minds.patience[leader]
 
 
@@ -92,7 +96,7 @@ def _frontmost(fishes: Fishes, minds: Minds, leader: int) -> int:
     best, farthest = NOBODY, -np.inf
     for i in range(len(minds.leader)):
         if minds.leader[i] == leader and fishes.alive[i]:
-            lead = dot(minus(vector(fishes.position[i]), there), ahead)
+            lead = dot(minus(place_near(fishes, i, there), there), ahead)
             if lead > farthest:
                 best, farthest = i, lead
     return best

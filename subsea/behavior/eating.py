@@ -32,6 +32,7 @@ from subsea.state import (
     Sea,
 )
 from subsea.state.feelings import feel
+from subsea.state.places import place_near
 from subsea.state.wants import TEMPTING, is_tempted
 
 STILL_KEEN = 0.6  # share of `keen` below which a fish that eats stops
@@ -125,7 +126,7 @@ def snap(i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     if k < 0:
         return
     if minds.kind[i] == PREDATOR:
-        distance = norm(minus(vector(fishes.position[k]), mouth)) / fishes.length[i]
+        distance = norm(minus(place_near(fishes, k, mouth), mouth)) / fishes.length[i]
         ready = fishes.alive[k] and minds.hunt[i] != CHEWING
         gape = 1.0 if ready and distance < HUNTERS_OPEN_BL else 0.0
     else:

@@ -25,6 +25,7 @@ from subsea.behavior.threat_memory import (
 )
 from subsea.behavior.vigilance import is_hidden
 from subsea.geometry.noise import uniform
+from subsea.geometry.periodic import nearest_image
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel
@@ -236,6 +237,7 @@ def looming(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
         there, velocity, width = vector(sea.submarine[:3]), vector(sea.submarine[3:6]), 2 * HULL_CM
     else:
         there, velocity = mouth_of(fishes, j), vector(fishes.velocity[j])
+        there = nearest_image(there, vector(fishes.position[i]), fishes.period)
         width = 0.5 * float(fishes.girth[j, 0] + fishes.girth[j, 1])
     toward = minus(there, vector(fishes.position[i]))
     distance = max(norm(toward), 1e-3)
@@ -247,9 +249,9 @@ def looming(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
 def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> Danger:
     """The danger to fish i from `minds.predator[i]`, which must not be NOBODY."""
     j = minds.predator[i]
-    there, dread = place_of(fishes, sea, j), dread_of(minds, i, j, nature)
+    here, dread = vector(fishes.position[i]), dread_of(minds, i, j, nature)
     velocity = vector(sea.submarine[3:6]) if j == SUBMARINE else vector(fishes.velocity[j])
-    toward = minus(there, vector(fishes.position[i]))
+    toward = minus(place_of(fishes, sea, j, here), here)
     distance = max(norm(toward), 1e-6)
     ahead, course = x_axis(fishes.orientation[i]), velocity
     if j != SUBMARINE:

@@ -15,6 +15,7 @@ from subsea.behavior.manoeuvring import turn_to, wrapped
 from subsea.behavior.patrolling import give_way, is_blocked
 from subsea.behavior.wandering import wander
 from subsea.geometry.noise import uniform
+from subsea.geometry.periodic import nearest_image
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, unit, vector
@@ -37,6 +38,7 @@ from subsea.state import (
     Nature,
     Sea,
 )
+from subsea.state.places import place_near
 
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
 EAGER = 1.5  # least desire of a hunter over `keen`, so that it does not waver
@@ -191,7 +193,8 @@ def _stalk(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     while, so that it turns to another.
     """
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
-    prey, mouth = vector(fishes.position[j]), mouth_of(fishes, i)
+    mouth = mouth_of(fishes, i)
+    prey = place_near(fishes, j, mouth)
     toward, heading = minus(prey, mouth), x_axis(fishes.orientation[j])
     distance = max(norm(toward), 1e-6)
     back, down = AMBUSH_BL
@@ -233,7 +236,8 @@ def _rush(fishes: Fishes, minds: Minds, i: int, clock: Clock) -> None:
     j, length = np.int64(minds.target[i]), float(fishes.length[i])
     j, sure = attended(fishes, minds, i, j, clock)
     minds.target[i] = j
-    toward = minus(vector(fishes.position[j]), mouth_of(fishes, i))
+    mouth = mouth_of(fishes, i)
+    toward = minus(place_near(fishes, j, mouth), mouth)
     gap = norm(toward)
     speed = max(LEAD * fishes.burst[i] * fishes.fast[i], 1.0)
     drift = minus(vector(fishes.velocity[j]), vector(fishes.drift[i]))
@@ -258,9 +262,10 @@ def companions(fishes: Fishes, minds: Minds, j: int) -> int:
     here, reach = vector(fishes.position[j]), CROWD_BL * float(fishes.length[j])
     count = 0
     for k in range(len(fishes.length)):
-        if abs(fishes.position[k, 0] - here[0]) > reach or k == j or minds.kind[k] != PREY:
+        there = place_near(fishes, k, here)
+        if abs(there[0] - here[0]) > reach or k == j or minds.kind[k] != PREY:
             continue
-        gap = minus(vector(fishes.position[k]), here)
+        gap = minus(there, here)
         count += fishes.alive[k] and dot(gap, gap) < reach * reach
     return count
 
@@ -293,8 +298,9 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Draw fishes and plankton toward open mouths, and eat prey inside; runs every tick.
 
     Fishes are moved by their `drift`, specks directly. The mouths are few and sorted along x, so
-    that no pass goes over all pairs.
+    that no pass goes over all pairs, except in a box, where mouths are also beyond its sides.
     """
+    in_box = fishes.period[0] > 0.0
     mouths, x = _open_mouths(fishes, minds)
     if len(mouths) == 0:
         return
@@ -306,13 +312,15 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
         if not fishes.alive[j]:
             continue
         there = vector(fishes.position[j])
-        for k in range(np.searchsorted(x, there[0] - farthest), len(mouths)):
+        first = 0 if in_box else np.searchsorted(x, there[0] - farthest)
+        for k in range(first, len(mouths)):
             i = mouths[k]
-            if x[k] > there[0] + farthest or not fishes.alive[j]:
+            if (x[k] > there[0] + farthest and not in_box) or not fishes.alive[j]:
                 break
             if i == j or fishes.gape[i] <= OPEN:  # shut on another since
                 continue
-            toward = minus(mouth_of(fishes, i), there)
+            mouth = nearest_image(mouth_of(fishes, i), there, fishes.period)
+            toward = minus(mouth, there)
             flow = suction(toward, fishes.length[i], clock.dt)
             # A fish too large for the mouth resists.
             small = min(FITS * fishes.length[i] / fishes.length[j], 1.0) ** 2

@@ -13,6 +13,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.places import place_near
 from subsea.state.schools import known_by
 
 BOLD = 0.15  # share of fishes that inspect
@@ -82,7 +83,8 @@ def may_inspect(fishes: Fishes, minds: Minds, i: int, nature: Nature, clock: Clo
         return False
     if norm(vector(fishes.velocity[j])) > INSPECTED_BL_S * fishes.length[j]:
         return False
-    toward = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+    here = vector(fishes.position[i])
+    toward = minus(here, place_near(fishes, j, here))
     return dot(toward, x_axis(fishes.orientation[j])) < NOTICED_COS * norm(toward)
 
 
@@ -99,8 +101,9 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         j = int(minds.predator[i])
         if j < 0:
             continue
-        there, ahead = vector(fishes.position[j]), x_axis(fishes.orientation[j])
-        side = minus(vector(fishes.position[i]), there)
+        here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[j])
+        there = place_near(fishes, j, here)
+        side = minus(here, there)
         side = minus(side, times(dot(side, ahead), ahead))
         reach = float(minds.dread[i]) / (NEAREST * nature.panicked) / max(norm(side), 1.0)
         place = plus(there, times(reach, side))

@@ -1,12 +1,13 @@
 """Schools with a leader: follow it, align with neighbours, keep apart (Tu §7.9.2)."""
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour, rocks_in_way
 from subsea.behavior.moods import temper_of
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import Clock, Fishes, Minds, Sea
+from subsea.state.places import place_near
 
 SPACING_BL = 1.0  # distance to each neighbour
 FOLLOW_BL = 5.0  # distance to the leader at which a follower catches up
@@ -30,8 +31,7 @@ def follow_leader(i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) 
     toward = minus(vector(minds.leader_place[i]), here) if lost < LOST_S else ZERO
     pace = fishes.goal_speed[leader] if lost < SIGHT_S else fishes.goal_speed[i]
     spacing = SPACING_BL * temper_of(minds, i).spacing
-    company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
-                       spacing)  # fmt: skip
+    company = _company(fishes, minds.neighbour[i], i, spacing)
     urge = plus(plus(_pull(toward, length), ahead), company)
     rocks = rocks_in_way(sea, here, length)
     way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, rocks, 0.0)
@@ -54,23 +54,21 @@ def _pull(toward: Vector, length: float) -> Vector:
 
 
 @kernel
-def _company(
-    position: Array, velocity: Array, length: Array, neighbour: Ints, i: int, spacing: float
-) -> Vector:
+def _company(fishes: Fishes, neighbour: Ints, i: int, spacing: float) -> Vector:
     """Alignment with the neighbours, and separation at `spacing` body lengths."""
     out, ahead = ZERO, ZERO
-    here = vector(position[i])
+    here = vector(fishes.position[i])
     count = 0
     for j in neighbour:
         if j < 0:
             break
-        away = minus(here, vector(position[j]))
+        away = minus(here, place_near(fishes, j, here))
         distance = norm(away)
-        space = spacing * 0.5 * (length[i] + length[j])
+        space = spacing * 0.5 * (fishes.length[i] + fishes.length[j])
         if distance < 1.5 * space:
             crowd = 1.5 - distance / space
             out = plus(out, times(1.8 * crowd / max(distance, 0.1), away))
-        its = vector(velocity[j])
+        its = vector(fishes.velocity[j])
         ahead = plus(ahead, times(1.0 / max(norm(its), 1.0), its))
         count += 1
     return plus(out, times(0.7 / max(count, 1), ahead))
@@ -97,7 +95,7 @@ def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool
     reach = REACH_BL * fishes.length[leader] * followers ** (1.0 / 3.0)
     for i in range(len(minds.leader)):
         if _is_followed_by(fishes, minds, leader, i, now):
-            behind += norm(minus(vector(fishes.position[i]), here)) > reach
+            behind += norm(minus(place_near(fishes, i, here), here)) > reach
     return behind > LEFT_BEHIND * followers
 
 

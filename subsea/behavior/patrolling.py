@@ -6,6 +6,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import HUNGER, NOBODY, PATROLLING, RECOVERING, Fishes, Minds
+from subsea.state.places import place_near
 
 PATROL_BL_S = 0.34, 0.56  # speed, by identity: reef sharks cruise at 0.3 to 0.6 L/s
 SHARES = 0.1, 0.7  # of the fastest speed: least and greatest on patrol
@@ -40,7 +41,8 @@ def patrol(fishes: Fishes, minds: Minds, i: int, way: Vector) -> Vector:
         c, s = np.cos(OUT_RAD), side * np.sin(OUT_RAD)
         way = (c * ahead[0] - s * ahead[1], s * ahead[0] + c * ahead[1], -SINKS)
     elif minds.hunt[i] == PATROLLING and j >= 0 and minds.errand[i] <= 0.0:
-        toward = minus(vector(fishes.position[j]), vector(fishes.position[i]))
+        here = vector(fishes.position[i])
+        toward = minus(place_near(fishes, j, here), here)
         distance = norm(toward)
         if distance > SHADOW_BL * fishes.length[i]:
             way = plus(way, times(SHADOWS * float(minds.mental[i, HUNGER]) / distance, toward))
@@ -53,7 +55,8 @@ def give_way(fishes: Fishes, minds: Minds, i: int, way: Vector) -> Vector:
     j = minds.rival[i]
     if j == NOBODY or not fishes.alive[j]:
         return way
-    away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+    here = vector(fishes.position[i])
+    away = minus(here, place_near(fishes, j, here))
     distance = norm(away)
     reach = PERSONAL_BL * 0.5 * (fishes.length[i] + fishes.length[j])
     if distance >= reach or distance < 1e-6:
@@ -77,6 +80,7 @@ def is_blocked(fishes: Fishes, minds: Minds, i: int) -> bool:
     j = minds.rival[i]
     if j == NOBODY or not fishes.alive[j] or not yields(fishes, i, j):
         return False
-    toward = minus(vector(fishes.position[j]), vector(fishes.position[i]))
+    here = vector(fishes.position[i])
+    toward = minus(place_near(fishes, j, here), here)
     near = norm(toward) < 0.5 * PERSONAL_BL * (fishes.length[i] + fishes.length[j])
     return near and dot(toward, x_axis(fishes.orientation[i])) > 0.0

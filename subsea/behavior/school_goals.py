@@ -8,6 +8,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.geometry.noise import uniform
+from subsea.geometry.periodic import nearest_image
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel
@@ -74,5 +75,6 @@ def goal_of(fishes: Fishes, minds: Minds, i: int, school: int, clock: Clock) -> 
 
 @kernel
 def _toward(fishes: Fishes, i: int, place: Vector) -> Vector:
-    way = minus(place, vector(fishes.position[i]))
+    here = vector(fishes.position[i])
+    way = minus(nearest_image(place, here, fishes.period), here)
     return times(1.0 / max(norm(way), NEAR_GOAL_BL * fishes.length[i]), way)

@@ -18,10 +18,12 @@ from subsea.behavior.threat_memory import flees_from_memory
 from subsea.behavior.vigilance import away_from_threat, haste
 from subsea.behavior.wandering import BOUND, redraw
 from subsea.geometry.angles import arc_tangent, sine_cosine
+from subsea.geometry.periodic import nearest_image
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state.places import place_near
 from subsea.state.school_rules import (
     ALIGNMENT,
     ATTENDED,
@@ -220,7 +222,7 @@ def _company(fishes: Fishes, minds: Minds, i: int, temper: Temper) -> tuple[Vect
         if j < 0 or attended >= rule[ATTENDED]:
             break
         attended += 1
-        way = minus(vector(fishes.position[j]), here)
+        way = minus(place_near(fishes, j, here), here)
         unit = 1.0 / (0.5 * (fishes.length[i] + fishes.length[j]) * temper.spacing)
         away = unit * (way[0] * x + way[1] * y), unit * (way[1] * x - way[0] * y), unit * way[2]
         distance = max(norm((away[0], away[1], LAYER * away[2])), 0.01)
@@ -284,7 +286,8 @@ def guide_schools(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             continue
         if i == school:
             minds.patience[i] -= np.float32(clock.dt)
-        toward = minus(vector(minds.waypoint[school]), vector(fishes.position[i]))
+        here = vector(fishes.position[i])
+        toward = minus(nearest_image(vector(minds.waypoint[school]), here, fishes.period), here)
         there = norm(toward) < NEAR_GOAL_BL * fishes.length[i]
         rule = minds.rules[minds.school_rule[i]]
         if there and is_informed(i, school, rule, clock):
@@ -300,7 +303,7 @@ def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
     """True if fish i is far from its school, with little company."""
     j = minds.neighbour[i, COMPANIONS - 1]
     here, reach = vector(fishes.position[i]), STRAGGLING_BL * fishes.length[i]
-    if j >= 0 and norm(minus(vector(fishes.position[j]), here)) < reach:
+    if j >= 0 and norm(minus(place_near(fishes, j, here), here)) < reach:
         return False
     if minds.leader[i] < 0 or now - minds.leader_seen[i] > LOST_S:
         return False

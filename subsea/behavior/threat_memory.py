@@ -19,6 +19,7 @@ from subsea.geometry.vector import Vector, dot, minus, norm, store, vector
 from subsea.kernels import kernel
 from subsea.state import ALARM as ALARM_SCENT
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
+from subsea.state.places import place_near
 
 # Least fear of what alarms a fish, a predator or companions that start, over f0: so alarm lasts for
 # 0.47 fear_s after the last sight.
@@ -54,7 +55,7 @@ def felt_fear(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
     j = minds.predator[i]
     if j != NOBODY and present > 0.0 and present >= RECOGNISED * faded:
         minds.unseen[i] = 0.0
-        store(minds.threat_place[i], place_of(fishes, sea, j))
+        store(minds.threat_place[i], place_of(fishes, sea, j, vector(fishes.position[i])))
     else:
         minds.unseen[i] += minds.pause[i]
     if present > nature.alarmed:
@@ -95,7 +96,8 @@ def _alarm(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> fl
     minds.alert[i] = WARNED_S
     if minds.unseen[i] > 0.0:
         j = minds.predator[first]
-        place = vector(fishes.position[first]) if j == NOBODY else place_of(fishes, sea, j)
+        here, source = vector(fishes.position[i]), first if j == NOBODY else j
+        place = place_of(fishes, sea, source, here)
         store(minds.threat_place[i], place)
         minds.unseen[i] = minds.pause[i]
     return min(ALARMING * nature.alarmed, 1.0)
@@ -108,9 +110,9 @@ def is_warned(minds: Minds, i: int) -> bool:
 
 
 @kernel
-def place_of(fishes: Fishes, sea: Sea, j: int) -> Vector:
-    """The place of predator j or of the submarine, cm."""
-    return vector(sea.submarine[:3]) if j == SUBMARINE else vector(fishes.position[j])
+def place_of(fishes: Fishes, sea: Sea, j: int, here: Vector) -> Vector:
+    """The place of fish j as seen from `here`, or of the submarine, cm."""
+    return vector(sea.submarine[:3]) if j == SUBMARINE else place_near(fishes, j, here)
 
 
 @kernel

@@ -159,6 +159,9 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
         roam = max(min(ROAM, 1.0 - BERTH_BL * fishes.length[i] / sea.radius), LEAST_ROAM)
         reach = roam * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
         x, y = reach * np.cos(angle), reach * np.sin(angle)
+        if fishes.period[0] > 0.0:  # a box has no middle: anywhere in it, evenly
+            x = here[0] + fishes.period[0] * (angle / (2.0 * np.pi) - 0.5)
+            y = here[1] + fishes.period[1] * (uniform(clock.seed, i, tick, RADIUS_PURPOSE) - 0.5)
         floor = height_at(sea.floor, sea.half_width, x, y) + FLOOR_CM
         low, high = _liked_heights(minds, i, floor)
         # Most life of a reef is in the lower half of the water, by night near the ground.

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.company import disliked, missed
 from subsea.behavior.table import INTENTIONS
+from subsea.geometry.periodic import shortest
 from subsea.state import (
     ANEMONE,
     AVOID,
@@ -145,7 +146,8 @@ def _barrier(world: World, barrier: int) -> str:
 
 
 def _far(world: World, fish: int, place: NDArray[np.floating[Any]]) -> float:
-    return float(np.linalg.norm(world.state.fishes.position[fish] - place))
+    fishes = world.state.fishes
+    return float(np.linalg.norm(shortest(fishes.position[fish] - place, fishes.period)))
 
 
 SPAN = round(60.0 / TICK_S)  # ticks

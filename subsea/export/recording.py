@@ -126,6 +126,12 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     scenario, source = with_total(film.loaded.scenario, film.fish), film.loaded.path
     if not any(shoal.number for shoal in scenario.fish):
         raise UserError("has no fishes, nothing to export", file=source)
+    if scenario.bounds.periodic_cm is not None:
+        raise UserError(
+            "`bounds.periodic_cm`: fishes would leap from side to side between two frames, "
+            "expected a scenario without it; `subsea film` shows this one",
+            file=source,
+        )
     if record is None:
         check_tour(scenario, film.tour)
     follow = None if film.follow is None else find_fish(film.follow, scenario)

@@ -24,6 +24,7 @@ from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.habitat.formations import NEAR_CM, blocks_near, drawn_distance, outward
 from subsea.kernels import kernel
 from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
+from subsea.state.places import place_near
 
 MAX_STEPS = 12  # most steps out of overlapping solids
 
@@ -136,10 +137,12 @@ def separate(who: Ints, fishes: Fishes, minds: Minds) -> None:
                 fishes.girth[i, 0] + fishes.girth[i, 1] + fishes.girth[j, 0] + fishes.girth[j, 1]
             )
             reach = _half(fishes, i) + _half(fishes, j) + touching + GAP_BL * longer
-            apart = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+            here = vector(fishes.position[i])
+            there = place_near(fishes, j, here)
+            apart = minus(here, there)
             if dot(apart, apart) > (FAR * reach) ** 2:
                 continue  # most are
-            away = _between(fishes.position, fishes.orientation, fishes.snout, fishes.length, i, j)
+            away = _between(fishes, i, j, there)
             distance = norm(away)
             close = 1.0 - (distance - touching) / (GAP_BL * longer)
             if close > 0.0 and distance > 1e-6:
@@ -156,14 +159,12 @@ def _half(fishes: Fishes, i: int) -> float:
 
 
 @kernel
-def _between(
-    position: Array, orientation: Array, snout: Array, length: Array, i: int, j: int
-) -> Vector:
-    """From the nearest point of the straight centre line of j to that of i, cm."""
-    a, b = x_axis(orientation[i]), x_axis(orientation[j])
-    half_a, half_b = 0.5 * float(length[i]), 0.5 * float(length[j])
-    middle_a = plus(vector(position[i]), times(float(snout[i]) - half_a, a))
-    middle_b = plus(vector(position[j]), times(float(snout[j]) - half_b, b))
+def _between(fishes: Fishes, i: int, j: int, there: Vector) -> Vector:
+    """From the nearest point of the straight centre line of j, at `there`, to that of i, cm."""
+    a, b = x_axis(fishes.orientation[i]), x_axis(fishes.orientation[j])
+    half_a, half_b = 0.5 * float(fishes.length[i]), 0.5 * float(fishes.length[j])
+    middle_a = plus(vector(fishes.position[i]), times(float(fishes.snout[i]) - half_a, a))
+    middle_b = plus(there, times(float(fishes.snout[j]) - half_b, b))
     gap = minus(middle_a, middle_b)
     # The closest points of two lines, each then held to its body.
     slant, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
+from subsea.geometry.periodic import shortest
 from subsea.lab.measures import headings, runs
 from subsea.media.record import STATIONS, Record
 from subsea.state import EAT, PREDATOR, PREY
@@ -130,10 +131,12 @@ def _rush(record: Record, i: int, speed: Array, start: int, caught: set[int]) ->
     length, tick_s = float(record.length[i]), record.tick_s
     snout = record.snout[start:end, i]
     prey = np.flatnonzero(record.kind == PREY)
-    gaps = np.linalg.norm(record.position[start:end, prey] - snout[:, None], axis=2)
+    period = record.period
+    ways = shortest(record.position[start:end, prey] - snout[:, None], period)
+    gaps = np.linalg.norm(ways, axis=2)
     gaps[~record.alive[start:end, prey]] = np.inf
     before = slice(max(start - round(STALK_S / tick_s), 0), start + 1)
-    toward = record.position[before, j] - record.snout[before, i]
+    toward = shortest(record.position[before, j] - record.snout[before, i], period)
     far = np.maximum(np.linalg.norm(toward, axis=1), 1e-6)
     rise = np.degrees(np.arcsin(toward[:, 2] / far)).mean()
     ahead = headings(record.orientation[before, j])
@@ -142,7 +145,8 @@ def _rush(record: Record, i: int, speed: Array, start: int, caught: set[int]) ->
     blind = -toward[-1] @ ahead[-1] < far[-1] * np.cos(np.radians(BLIND_DEG))
     same = np.flatnonzero((record.species == record.species[j]) & record.alive[start])
     same = same[record.kind[same] == PREY]
-    apart = np.linalg.norm(record.position[start, same] - record.position[start, j], axis=1)
+    ways = shortest(record.position[start, same] - record.position[start, j], period)
+    apart = np.linalg.norm(ways, axis=1)
     company = (apart < SCHOOL_BL * record.length[j]).sum() - 1
     last = min(end + round(HIT_S / tick_s), len(record.time) - 1)
     died = {int(j) for j in prey[record.alive[start, prey] & ~record.alive[last, prey]]} - caught
@@ -184,7 +188,8 @@ def least_gap(record: Record, these: Ints) -> float:
     for a, i in enumerate(these):
         for j in these[a + 1 :]:
             both: Bools = record.alive[:, i] & record.alive[:, j]
-            far = np.linalg.norm(record.position[:, i] - record.position[:, j], axis=1)
+            ways = shortest(record.position[:, i] - record.position[:, j], record.period)
+            far = np.linalg.norm(ways, axis=1)
             near = np.flatnonzero(both & (far < record.length[i] + record.length[j]))
             if not len(near):
                 if both.any():
@@ -192,7 +197,8 @@ def least_gap(record: Record, these: Ints) -> float:
                     least = min(least, float(far[both].min() - longer / 2))
                 continue
             (p, p_radius), (q, q_radius) = beads[int(i)], beads[int(j)]
-            gaps = np.linalg.norm(p[near][:, :, None] - q[near][:, None], axis=3)
+            ways = shortest(p[near][:, :, None] - q[near][:, None], record.period)
+            gaps = np.linalg.norm(ways, axis=3)
             least = min(least, float((gaps - p_radius[:, None] - q_radius).min()))
     return least
 

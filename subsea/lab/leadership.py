@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.geometry.periodic import gathered
 from subsea.lab.measures import headings
 from subsea.media.record import Record
 from subsea.state import AVOID, ESCAPE, PICK, SCHOOL
@@ -58,6 +59,8 @@ def leadership(record: Record, leader: int) -> Leadership:
     found = np.array([_correlation(ahead, others, int(lag)) for lag in lags])
     delay = np.array([_peak(column) for column in found.T]) - len(lags) // 2
     place = record.position[::every][:, fish].astype(np.float64)
+    if record.period[0]:
+        place = np.stack([gathered(one, record.period) for one in place])
     count = np.maximum(there.sum(axis=1), 1)[:, None, None]
     middle = (place * there[..., None]).sum(axis=1, keepdims=True) / count
     way = _unit(ahead.sum(axis=1, keepdims=True))

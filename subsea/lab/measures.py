@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
+from subsea.geometry.periodic import in_box, shortest
 from subsea.geometry.rotation import matrix, rotate
 from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
@@ -84,8 +85,10 @@ def clearances(record: Record) -> tuple[Array, Ints]:
     shape = record.alive.shape
     least = np.full(shape, np.inf, np.float32)
     which = np.zeros(shape, np.uint8)
+    # Paths in a box go on beyond the sea, and have no wall before them.
+    radius_cm = np.inf if record.period[0] else record.radius_cm
     barriers = Barriers(
-        record.heights, record.half_width_cm, record.radius_cm, record.pillars, record.rocks
+        record.heights, record.half_width_cm, radius_cm, record.pillars, record.rocks
     )
     for points in (record.snout, record.position, record.tail):
         _lower(points, record.alive, barriers, least, which)
@@ -197,10 +200,10 @@ def captures(record: Record) -> Captures:
     company = np.zeros((len(range(0, len(record.time), every)), len(prey)), np.bool_)
     alive = record.alive[::every][:, prey]
     if len(prey) > COMPANIONS:
-        _company(
-            record.position[::every][:, prey], alive, record.species[prey], record.length[prey],
-            company,
-        )  # fmt: skip
+        for (place,) in views(record.period, record.position[::every][:, prey]):
+            near = np.zeros_like(company)
+            _company(place, alive, record.species[prey], record.length[prey], near)
+            company |= near
     back = max(round(BEFORE_S / SAMPLE_S), 1)
     caught = [0, 0]
     for t, i in zip(last, fishes, strict=True):
@@ -339,6 +342,22 @@ def escapes(record: Record) -> tuple[int, int]:
     return len(warned), int(np.sum(warned))
 
 
+def views(period: Array, *points: Array) -> Iterator[list[Array]]:
+    """List points (…, 3) of bodies as they are, or in a box as four views see them.
+
+    The views are shifted by half a period along x, y, both or none. Each cuts the box elsewhere: so
+    bodies near each other are on one side of the cuts in at least one view. The first of the points
+    decide where a body is, and the others stay with it.
+    """
+    if not period[0]:
+        yield [*points]
+        return
+    for part in ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)):
+        cut = np.append(part * period, 0.0).astype(points[0].dtype)
+        origin = points[0] + cut
+        yield [in_box(place + cut, origin, period) for place in points]
+
+
 class BeadBodies(NamedTuple):
     """Bodies as rows of ellipsoids, for the kernel."""
 
@@ -362,11 +381,11 @@ def overlaps(record: Record) -> Ints:
     sizes = outlines * record.length[:, None, None]
     middle = record.snout_reach / record.length
     found = np.zeros(record.alive.shape, np.uint8)
-    bodies = BeadBodies(
-        record.snout, record.position, record.tail, record.orientation,
-        np.clip(middle, 0.05, 0.95), sizes,
-    )  # fmt: skip
-    _overlap(bodies, record.alive, record.partner, record.kind, found)
+    for origin, snout, tail in views(record.period, record.position, record.snout, record.tail):
+        bodies = BeadBodies(
+            snout, origin, tail, record.orientation, np.clip(middle, 0.05, 0.95), sizes
+        )
+        _overlap(bodies, record.alive, record.partner, record.kind, found)
     return found
 
 
@@ -492,7 +511,8 @@ def predation(record: Record) -> Predation:
     caught: dict[int, list[int]] = {int(i): [] for i in hunters}  # ticks
     for t, i in zip(*np.nonzero(record.alive[:-1] & ~record.alive[1:]), strict=True):
         if record.kind[i] == PREY and len(hunters):
-            gap = np.linalg.norm(record.snout[t, hunters] - record.position[t, i], axis=1)
+            ways = shortest(record.snout[t, hunters] - record.position[t, i], record.period)
+            gap = np.linalg.norm(ways, axis=1)
             caught[int(hunters[gap.argmin()])].append(int(t))
     attacks = captures = 0
     for i in hunters:
@@ -521,7 +541,8 @@ def _attacks(record: Record, i: int) -> list[tuple[int, int]]:
     aims = (record.intention[:, i] == EAT) & record.alive[:, i] & (target >= 0) & (target < n)
     ticks = np.flatnonzero(aims)
     prey = target[ticks]
-    near = np.linalg.norm(record.snout[ticks, i] - record.position[ticks, prey], axis=1)
+    ways = shortest(record.snout[ticks, i] - record.position[ticks, prey], record.period)
+    near = np.linalg.norm(ways, axis=1)
     close = np.zeros(len(target), np.bool_)
     close[ticks] = (near <= REACH * record.length[i]) & (record.kind[prey] == PREY)
     found: list[tuple[int, int]] = []

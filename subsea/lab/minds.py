@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
+from subsea.geometry.periodic import shortest
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock
 from subsea.geometry.vector import vector
 from subsea.kernels import kernel
@@ -127,7 +128,7 @@ def predators_seen(record: Record, prey: Ints, hunters: Ints) -> Bools:
     ahead = headings(record.orientation[:, prey])
     eyes = record.snout[:, prey].astype(np.float64)
     for j in hunters:
-        gap = record.position[:, j, None].astype(np.float64) - eyes
+        gap = shortest(record.position[:, j, None].astype(np.float64) - eyes, record.period)
         far = np.linalg.norm(gap, axis=2)
         near = (far < NEAR_CM) & record.alive[:, j, None] & record.alive[:, prey] & ~seen
         cosine = (gap * ahead).sum(axis=2) / np.maximum(far, 1e-6)

@@ -206,9 +206,16 @@ def _paths_page(page: Any, record: Record) -> None:
         cmap=LinearSegmentedColormap.from_list("seabed", [DEEP, SAND]),
     )  # fmt: skip
     wall = Circle((0, 0), record.radius_cm / 100, fill=False, color="0.2", linewidth=1.2)
-    axis.add_patch(wall)
-    shade.set_clip_path(wall)
-    if tank := tank_of(record.pillars):
+    tank = tank_of(record.pillars)
+    if record.period[0]:
+        tank = (
+            float(record.period[0]),
+            float(record.period[1]),
+        )  # drawn alike; paths go on beyond its sides
+    else:
+        axis.add_patch(wall)
+        shade.set_clip_path(wall)
+    if tank:
         long, wide = tank[0] / 100, tank[1] / 100
         glass = Rectangle(
             (-long / 2, -wide / 2), long, wide, fill=False, color="0.2", linewidth=1.2, zorder=3
@@ -252,7 +259,7 @@ def _frame(record: Record) -> tuple[Array, Array]:
     places = record.position[record.alive][:, :2] / 100
     low, high = places.min(axis=0), places.max(axis=0)
     half = 0.6 * float((high - low).max()) + 1.0
-    if half >= 0.8 * whole:
+    if half >= 0.8 * whole and not record.period[0]:
         return np.array([-whole, whole]), np.array([-whole, whole])
     x, y = 0.5 * (low + high)
     return np.array([x - half, x + half]), np.array([y - half, y + half])

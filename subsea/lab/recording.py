@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from subsea import __version__
 from subsea.base import hdf5, interrupts
+from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.files import file_hash
 from subsea.base.progress import count_noun
@@ -18,13 +19,14 @@ from subsea.base.source_stamp import source_stamp
 from subsea.behavior.table import OURS
 from subsea.behavior.teleop import TeleopCommands
 from subsea.fish.species import repertoire_file, species_file
+from subsea.geometry.periodic import laps_of
 from subsea.lab.functions import described
 from subsea.media import record
 from subsea.motor.pose import centres_world, ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.save import scenario_text
 from subsea.scenario.schema import Scenario
-from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
+from subsea.state import COURTSHIP, KINDS, MENTAL_STATES, Fishes
 from subsea.submarine.vessel import NEUTRAL, STATION, Rail
 from subsea.world.world import TICK_S, World
 
@@ -119,6 +121,7 @@ class Recorder:
         self.movers = dict.fromkeys(rules_of(world))  # by whom the world was moved so far
         self._out, self._append, self._number = out, append, number
         self._block, self._held = empty_block(length, number), 0
+        self._laps = Laps(world)
         self._happened: list[Event] = []
         self._last = -1
 
@@ -131,7 +134,7 @@ class Recorder:
                 "it before `restore` or a new episode",
                 file=self._out,
             )
-        note(world, self._block, self._held)
+        note(world, self._block, self._held, self._laps)
         self._happened += _begun(world)
         self.movers.update(dict.fromkeys(_movers(world)))
         self._last = tick
@@ -253,7 +256,27 @@ def empty_block(length: int, n: int) -> Rows:
     }
 
 
-def note(world: World, block: Rows, row: int) -> None:
+class Laps:
+    """Counts how often each fish left a box with periodic sides, so that records have whole paths.
+
+    Places of a record go on beyond the sides: so differences in time are ways that a fish swam.
+    """
+
+    def __init__(self, world: World) -> None:
+        """Begin with the fishes where they are."""
+        self._before = world.state.fishes.position.copy()
+        self._shift = np.zeros_like(self._before, np.float64)
+
+    def shift(self, fishes: Fishes) -> Array:
+        """Return how far (n, 3) the paths are beyond the places in the box; call once a tick."""
+        if fishes.period[0]:
+            lost = laps_of(self._before - fishes.position, fishes.period)
+            self._shift[:, :2] += lost * fishes.period
+            self._before[:] = fishes.position
+        return self._shift
+
+
+def note(world: World, block: Rows, row: int, laps: Laps) -> None:
     """Write the current tick into a row of the block."""
     state = world.state
     block["time"][row] = state.tick * TICK_S
@@ -263,6 +286,10 @@ def note(world: World, block: Rows, row: int) -> None:
     block["fish/centre"][row] = centres_world(
         state.fishes, world.library.nodes, world.dynamics.bodies.mass
     )
+    if state.fishes.period[0]:
+        shift = laps.shift(state.fishes)
+        for name in ("position", "snout", "tail", "centre"):
+            block[f"fish/{name}"][row] += shift
     block["fish/mental_state"][row] = state.minds.mental
     for name in ("intention", "leader", "target", "partner", "courtship", "last_meal"):
         block[f"fish/{name}"][row] = getattr(state.minds, name)
@@ -364,7 +391,7 @@ def _attributes(
     world: World, names: Mapping[str, Sequence[str]], provenance: Provenance
 ) -> dict[str, Any]:
     """List the names of all codes, and everything needed to repeat the run."""
-    bounds = world.scenario.bounds
+    bounds, period = world.scenario.bounds, world.state.fishes.period
     origin = {
         name: hdf5.text(value) if isinstance(value, str) else hdf5.words(value)
         for name, value in provenance._asdict().items()
@@ -382,6 +409,7 @@ def _attributes(
         "radius_cm": bounds.radius_cm,
         "depth_cm": bounds.depth_cm,
         "sea_half_width_cm": float(world.state.sea.half_width),
+        **(dict(zip(record.PERIODS, period.tolist(), strict=True)) if period[0] else {}),
         **{name: hdf5.words(words) for name, words in names.items()},
         **{f"nature_{name}": value for name, value in world.nature._asdict().items()},
     }

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
+from subsea.geometry.periodic import gathered, nearest_image, shortest
 from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.lab.measures import SAMPLE_S, headings, runs
@@ -72,9 +73,11 @@ def _school(record: Record, leader: int, every: int) -> School:
             continue
         calm = bool(record.mental_state[t, members, FEAR].max() <= record.alarmed)
         cruises = calm and bool(2 * (np.isin(doing, (SCHOOL, PICK)) | led).sum() >= len(members))
-        ahead, place = headings(record.orientation[t, schooling]), record.position[t, schooling]
+        ahead = headings(record.orientation[t, schooling])
+        place = gathered(record.position[t, schooling], record.period)
         mean = ahead.mean(axis=0)
-        nearest, together = spread(place.astype(np.float64), record.length[schooling], LINK_BL)
+        lengths = record.length[schooling]
+        nearest, together = spread(place.astype(np.float64), lengths, LINK_BL, record.period)
         if cruises:
             distances.append(nearest)
         rows.append((
@@ -122,10 +125,10 @@ def states(school: School) -> dict[str, float]:
 
 
 @kernel
-def spread(position: Array, length: Array, link: float) -> tuple[Array, float]:
+def spread(position: Array, length: Array, link: float, period: Array) -> tuple[Array, float]:
     """Measure distances to the nearest (m,), body lengths, and the share of the largest part.
 
-    A pair's body length is the mean of both.
+    A pair's body length is the mean of both. In a box, nearest images count.
     """
     m = len(length)
     order = np.argsort(position[:, 0], kind="mergesort")
@@ -139,9 +142,10 @@ def spread(position: Array, length: Array, link: float) -> tuple[Array, float]:
             while 0 <= b < m:
                 j = order[b]
                 along = abs(position[j, 0] - position[i, 0]) / longest
-                if along > link and along > nearest[i]:
+                if along > link and along > nearest[i] and period[0] <= 0.0:
                     break
-                gap = norm(minus(vector(position[j]), vector(position[i])))
+                here = vector(position[i])
+                gap = norm(minus(nearest_image(vector(position[j]), here, period), here))
                 distance = gap / (0.5 * (length[i] + length[j]))
                 nearest[i] = min(nearest[i], distance)
                 if distance <= link:
@@ -347,7 +351,8 @@ def _shape(
     place = record.position[t, members].astype(np.float64)
     length = record.length[members].astype(np.float64)
     ahead = headings(record.orientation[t, members])
-    gap = place[None] - place[:, None]  # from a fish (row) to another (column)
+    gap = shortest(place[None] - place[:, None], record.period)  # from a fish (row) to another
+    place = gathered(place, record.period)
     far = np.linalg.norm(gap, axis=2) / (0.5 * (length[:, None] + length))
     np.fill_diagonal(far, np.inf)
     nearest = far.argmin(axis=1)

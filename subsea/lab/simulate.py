@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from tqdm import tqdm
 
 from subsea.base import interrupts
@@ -17,6 +18,7 @@ from subsea.dive.start import WAKING, Say
 from subsea.dive.warm_up import warm_up
 from subsea.lab.functions import described
 from subsea.lab.recording import (
+    Laps,
     check_changes,
     constants_of,
     empty_block,
@@ -159,11 +161,12 @@ def live_records(world: World, ticks: int, fish_ticks: int) -> Iterator[record.R
     done = 0
     while done < ticks:
         length = min(max(fish_ticks // number, 1), ticks - done)
+        laps = Laps(world)
         block = empty_block(length, number)
         for row in range(length):
             if done + row:
                 step(world, NEUTRAL)
-            note(world, block, row)
+            note(world, block, row, laps)
         done += length
         fields: dict[str, Any] = {
             name: (block | constants)[path] for name, path in record.READ.items()
@@ -177,4 +180,5 @@ def live_records(world: World, ticks: int, fish_ticks: int) -> Iterator[record.R
             half_width_cm=float(world.state.sea.half_width),
             alarmed=world.nature.alarmed,
             species_keys=tuple(world.scenario.species),
+            period=world.state.fishes.period.astype(np.float64),
         )

@@ -23,6 +23,7 @@ from subsea.base.file_kinds import check_result, csv_file, signed
 from subsea.base.files import check_folder, replacing
 from subsea.base.hdf5 import writing
 from subsea.base.system import require
+from subsea.geometry.periodic import in_box
 from subsea.geometry.walls import tank_of
 from subsea.media.record import STATIONS, Record
 
@@ -88,7 +89,8 @@ def write_deeplabcut(record: Record, out: Path, view: FlatView, force: bool = Fa
     table = out.suffix == ".csv"
     check_result(out, csv_file("a table of DeepLabCut", "scorer", SCORER) if table else HDF5, force)
     names, points = record.body_points
-    places = view.pixels(points, record)  # (T, n, k, 2)
+    inside = in_box(points, record.position[:, :, None], record.period)  # as a camera sees it
+    places = view.pixels(inside, record)  # (T, n, k, 2)
     sure = np.broadcast_to(record.alive[..., None, None], (*places.shape[:3], 1))
     values = np.concatenate([np.where(sure, places, np.nan), np.where(sure, 1.0, np.nan)], axis=3)
     values = values.reshape(len(values), -1)
@@ -191,7 +193,8 @@ def tracker_table(record: Record, view: FlatView, title: str) -> dict[str, Any]:
     """Make the dictionary of idtracker.ai's trajectories; all identities are certain."""
     width, height = view.size(record)
     alive = record.alive
-    places = np.where(alive[..., None], view.pixels(record.centre, record), np.nan)
+    inside = in_box(record.centre, record.position, record.period)  # as a camera sees it
+    places = np.where(alive[..., None], view.pixels(inside, record), np.nan)
     outline = record.half_width if view.name == "top" else record.half_height
     share = 2.0 * np.asarray(np.trapezoid(outline, dx=1.0 / (STATIONS - 1), axis=1))
     areas = share[record.species] * (record.length * view.px_per_cm) ** 2
@@ -219,9 +222,10 @@ def tracker_table(record: Record, view: FlatView, title: str) -> dict[str, Any]:
 
 
 def _border(record: Record, view: FlatView) -> Array:
-    """List the points (k, 2) around the tank, or around the sea, seen from the top, px."""
-    if tank := tank_of(record.pillars):
-        corners = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]) * tank / 2
+    """List the points (k, 2) around the tank or box, or the sea, seen from the top, px."""
+    sides = tuple(record.period) if record.period[0] else tank_of(record.pillars)
+    if sides:
+        corners = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]) * sides / 2
     else:
         angle = np.linspace(0.0, 2.0 * np.pi, CIRCLE, endpoint=False)
         corners = record.radius_cm * np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -17,6 +17,7 @@ FORMAT, VERSION = "subsea-record", 2
 RECORD = hdf5_file("a record", FORMAT)
 STATIONS = 13  # points of a body's outline, from the snout to the tail's edge
 SNOUTWARD = np.float32(0.2)  # place of the centre of mass in records of earlier versions, roughly
+PERIODS = ("period_x_cm", "period_y_cm")  # attributes of a record from a box
 MAX_FISH_TICKS = 20_000_000  # a study holds them in memory: about 2 GB
 
 
@@ -155,6 +156,9 @@ COORDINATES = {
 """The coordinates, beside `time`: labels and places along the dimensions of FIELDS."""
 
 
+NO_PERIOD = np.zeros(2)
+
+
 class Record(NamedTuple):
     """The parts of a record that a study needs: T ticks of n fishes of s species."""
 
@@ -196,6 +200,8 @@ class Record(NamedTuple):
     courtship_names: list[str]
     kind_names: list[str]
     species_keys: tuple[str, ...] = ()  # as scenarios name the species; older records have none
+    # (2,) cm, of a box with periodic sides along x and y, or 0. Places go on beyond its sides.
+    period: Array = NO_PERIOD
 
     @property
     def keys(self) -> list[str]:
@@ -210,6 +216,11 @@ class Record(NamedTuple):
         return [f"{keys[kind]}_{i}" for i, kind in enumerate(self.species)]
 
     @property
+    def period_attributes(self) -> dict[str, float]:
+        """The period by the names of a file's attributes, cm; empty without a box."""
+        return dict(zip(PERIODS, self.period.tolist(), strict=True)) if self.period[0] else {}
+
+    @property
     def body_points(self) -> tuple[tuple[str, ...], Array]:
         """Names and places (T, n, k, 3), cm, of the k points of a body that a record has."""
         return ("snout", "centre", "tail"), np.stack([self.snout, self.centre, self.tail], axis=2)
@@ -221,7 +232,9 @@ class Record(NamedTuple):
             An `xarray.Dataset` with `position` (time, space, keypoints, individuals), cm, and
             `confidence` (time, keypoints, individuals), 1. Keypoints are snout, centre of mass and
             tail; individuals have names such as ``fusilier_3``. Both arrays are NaN after the death
-            of a fish. Time is in s, z is up, and the surface is at 0.
+            of a fish. Time is in s, z is up, and the surface is at 0. In a box with periodic sides
+            paths go on beyond its sides, and the attributes `period_x_cm` and `period_y_cm` tell
+            its lengths.
 
         Raises:
             UserError: xarray is not installed (extra `tracks`).
@@ -253,6 +266,7 @@ class Record(NamedTuple):
             {
                 "source_software": "subsea", "ds_type": "poses", "fps": 1.0 / self.tick_s,
                 "time_unit": "seconds",
+                **self.period_attributes,
             },
         )  # fmt: skip
 
@@ -336,9 +350,20 @@ def read_record(path: Path) -> Record:
                 if hdf5.has_attribute(file, "species_keys")
                 else ()
             ),
+            period=_period(file, where),
         )
     _check(record, where)
     return record
+
+
+def _period(file: Any, where: str) -> Array:
+    """Read the period of the box (2,); zeros of a record without one."""
+    if not hdf5.has_attribute(file, PERIODS[0]):
+        return NO_PERIOD
+    period = np.array([hdf5.attribute(file, name, float, where) for name in PERIODS])
+    if not (np.isfinite(period) & (period > 0)).all():
+        raise UserError(f"{' and '.join(PERIODS)}: expected lengths above 0", file=where)
+    return period
 
 
 def read_origin(path: Path) -> Origin:

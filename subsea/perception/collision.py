@@ -19,8 +19,15 @@ from subsea.geometry.solids import (
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
-from subsea.perception.grid import ROUNDING, Grid, cells_within, make_grid, near_slots
-from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
+from subsea.perception.grid import ROUNDING, Grid, cells_within, make_grid_of_images, near_slots
+from subsea.perception.vision import (
+    FIELD_COS,
+    ahead_of,
+    along_body,
+    along_body_near,
+    along_from,
+    eye_of,
+)
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -43,6 +50,7 @@ from subsea.state import (
     Sea,
 )
 from subsea.state.habits import keeps_low
+from subsea.state.places import place_near
 
 ANTENNA_BL = 1.0  # length of the ray that detects obstacles (Tu §6.6.1) ...
 ENLARGED = 1.5  # ... and factor on all sizes for fishes with recorded motion (SMC §6.2)
@@ -97,8 +105,8 @@ def crowds_of(fishes: Fishes) -> tuple[Crowd, Crowd]:
             small[smalls] = i
             smalls += 1
     return (
-        _crowd(fishes, make_grid(middles, small[:smalls], SMALL_CELL_CM)),
-        _crowd(fishes, make_grid(middles, large[:larges], LARGE_CELL_CM)),
+        _crowd(fishes, make_grid_of_images(middles, small[:smalls], SMALL_CELL_CM, fishes.period)),
+        _crowd(fishes, make_grid_of_images(middles, large[:larges], LARGE_CELL_CM, fishes.period)),
     )
 
 
@@ -139,7 +147,8 @@ def find_threats(
         avoids = minds.intention[i] == AVOID and before != NOBODY and before != region.welcome
         if avoids and fishes.alive[before]:
             share = share_inside(fishes, i, before, HELD * region.margin, HELD * region.foresight)
-            gap = minus(along_body(fishes, before, 0.5), along_body(fishes, i, 0.5))
+            here = along_body(fishes, i, 0.5)
+            gap = minus(along_body_near(fishes, before, 0.5, here), here)
             if share > 0.0:
                 worst = (before, share, dot(gap, gap))
         worst = worst_threat(fishes, i, region, small, slots, worst)
@@ -291,10 +300,11 @@ def share_inside(fishes: Fishes, i: int, j: int, margin: float, foresight: float
     drift = minus(vector(fishes.velocity[j]), vector(fishes.velocity[i]))
     way = times(foresight, rotate(back, drift))
     here = vector(fishes.position[i])
-    middle = rotate(back, minus(along_body(fishes, j, 0.5), here))
+    there = place_near(fishes, j, here)
+    middle = rotate(back, minus(along_from(there, fishes, j, 0.5), here))
     if not _sweeps(middle, way, low, high, 0.5 * other):
         return 0.0
-    first = rotate(back, minus(along_body(fishes, j, 0.0), here))
+    first = rotate(back, minus(along_from(there, fishes, j, 0.0), here))
     step = times(2.0, minus(middle, first))
     stations = int(min(max(math.ceil(other / (FINEST * length)), STATIONS), MOST_STATIONS))
     inside = 0

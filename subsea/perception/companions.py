@@ -13,6 +13,7 @@ from subsea.geometry.vector import dot, minus, norm, vector
 from subsea.kernels import kernel
 from subsea.perception.vision import FARTHEST, sight
 from subsea.state import NOBODY, Fishes, Minds, Nature
+from subsea.state.places import place_near
 from subsea.state.school_rules import ATTENDED, BLIND_COS, LATERAL_LINE_BL, SIGHT_BL
 from subsea.state.schools import known_by
 
@@ -55,7 +56,7 @@ def keep_perceived(who: Ints, fishes: Fishes, minds: Minds, nature: Nature) -> N
         for j in minds.neighbour[i]:
             if j < 0:
                 break
-            way = minus(vector(fishes.position[j]), here)
+            way = minus(place_near(fishes, j, here), here)
             gap = norm(way)
             if gap > felt and (gap > seen or dot(way, ahead) <= rule[BLIND_COS] * gap):
                 continue

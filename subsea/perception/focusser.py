@@ -16,7 +16,7 @@ from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.perception.collision import ANTENNA_BL, caution
 from subsea.perception.foraging import perceives, price_of
-from subsea.perception.vision import ahead_of, along_body, eye_of, sees_fish
+from subsea.perception.vision import ahead_of, along_body_near, eye_of, sees_fish
 from subsea.state import (
     ASCEND,
     AVOID,
@@ -43,6 +43,7 @@ from subsea.state import (
     Sea,
 )
 from subsea.state.feelings import feeling_for
+from subsea.state.places import place_near
 
 COMPROMISE = 0.2  # p of Tu §6.5.3: weight of motor preferences in desirability
 STRANGER = 0.5  # factor on the desirability of a mate of another species
@@ -97,7 +98,7 @@ def set_targets(
             if mine and minds.hunt[i] == RUSHING:
                 best = now  # it is committed
             elif mine and best >= 0:
-                toward = minus(vector(fishes.position[now]), eye)
+                toward = minus(place_near(fishes, now, eye), eye)
                 if perceives(fishes, i, now, sea, nature, norm(toward)):
                     present = price_of(fishes, minds, i, now, eye, ahead)
                     other = price_of(fishes, minds, i, np.int64(best), eye, ahead)
@@ -119,7 +120,7 @@ def set_targets(
             for k, j in enumerate(minds.mates[i]):
                 if j >= 0:
                     length = float(fishes.length[j])
-                    gaps[k] = norm(minus(vector(fishes.position[j]), eye))
+                    gaps[k] = norm(minus(place_near(fishes, j, eye), eye))
                     desire[k] = length / (length + float(fishes.length[i]))
                     if minds.male[i]:
                         desire[k] = max(1.0 - gaps[k] / nature.vision_cm, 0.0)
@@ -132,7 +133,7 @@ def set_targets(
             best = minds.mates[i, k] if k >= 0 else NOBODY
             still = now >= 0 and best >= 0 and fishes.alive[now]
             if still and sees_fish(fishes, i, now, sea, nature):
-                gap = norm(minus(vector(fishes.position[now]), eye))
+                gap = norm(minus(place_near(fishes, now, eye), eye))
                 if gap - gaps[k] <= devotion_cm:
                     best = now
             minds.target[i] = best
@@ -212,20 +213,20 @@ def set_preferences(
         fear = against(minds.mental[i, FEAR], strength)
         for j in minds.predators[i]:
             if j != NOBODY and fear > 0.0:
-                danger = vector(sea.submarine) if j == SUBMARINE else vector(fishes.position[j])
+                danger = vector(sea.submarine) if j == SUBMARINE else place_near(fishes, j, eye)
                 note(q, minus(danger, eye), -fear, sums, counts)
         hunger = against(minds.mental[i, HUNGER], strength)
         hunts = minds.kind[i] == PREDATOR
         for k in minds.foods[i]:
             if k >= 0 and hunger > 0.0:
-                food = vector(fishes.position[k]) if hunts else vector(sea.plankton[k])
+                food = place_near(fishes, k, eye) if hunts else vector(sea.plankton[k])
                 toward = minus(food, eye)
                 if norm(toward) < APPETISING_BL * fishes.length[i]:
                     note(q, toward, hunger, sums, counts)
         libido = against(minds.mental[i, LIBIDO], strength)
         for j in minds.mates[i]:
             if j >= 0 and libido > 0.0:
-                note(q, minus(vector(fishes.position[j]), eye), libido, sums, counts)
+                note(q, minus(place_near(fishes, j, eye), eye), libido, sums, counts)
         for side in range(6):
             good = sums[0, side] / max(counts[0, side], 1.0)
             bad = sums[1, side] / max(counts[1, side], 1.0)
@@ -245,11 +246,11 @@ def warn_of_fishes(
     """Warn of the fish in `threat` and of companions that are too near."""
     here, q = vector(fishes.position[i]), fishes.orientation[i]
     if threat != NOBODY:
-        note(q, minus(along_body(fishes, threat, 0.5), here), -1.0, sums, counts)
+        note(q, minus(along_body_near(fishes, threat, 0.5, here), here), -1.0, sums, counts)
     for j in neighbour:
         if j == NOBODY:
             break
-        gap = minus(vector(fishes.position[j]), here)
+        gap = minus(place_near(fishes, j, here), here)
         elbow = ELBOW_BL * 0.5 * (fishes.length[i] + fishes.length[j])
         if j != threat and norm(gap) < elbow:
             note(q, gap, -1.0, sums, counts)

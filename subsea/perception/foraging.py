@@ -11,6 +11,7 @@ from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, hidden, sees_fish, sight
 from subsea.state import ESCAPE, PREDATOR, Fishes, Minds, Nature, Sea
+from subsea.state.places import place_near
 from subsea.state.wants import takes_scattered
 
 PREY_CELL_CM = 100.0
@@ -154,7 +155,8 @@ def is_in_school(fishes: Fishes, minds: Minds, j: int) -> bool:
     )
     if not belongs or k < 0:
         return False
-    return norm(minus(vector(fishes.position[k]), vector(fishes.position[j]))) < COMPANY_CM
+    there = vector(fishes.position[j])
+    return norm(minus(place_near(fishes, k, there), there)) < COMPANY_CM
 
 
 @kernel
@@ -166,7 +168,7 @@ def perceives(fishes: Fishes, i: int, j: int, sea: Sea, nature: Nature, distance
 @kernel
 def price_of(fishes: Fishes, minds: Minds, i: int, j: int, mouth: Vector, ahead: Vector) -> float:
     """The cost, cm, of catching prey j for predator i; more of prey that is warned of it."""
-    toward = minus(vector(fishes.position[j]), mouth)
+    toward = minus(place_near(fishes, j, mouth), mouth)
     cost = cost_of(toward, norm(toward), ahead, is_in_school(fishes, minds, j))
     cost *= WARNED_COST if minds.missed[i] == j else 1.0
     flees = minds.intention[j] == ESCAPE and minds.target[i] != j

@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.vector import Vector, dot, minus, store, vector
+from subsea.geometry.vector import Vector, dot, minus, store, times, vector
 from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
+from subsea.state.places import place_near
 from subsea.state.school_rules import LATERAL_LINE_BL, SIGHT_BL
 
 CELLS_EACH, CELLS_MORE = 16, 16384  # most cells: per point, and in addition
@@ -84,6 +85,35 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
     for slot in range(m):
         store(place[slot], vector(points[member[slot]]))
     return Grid(corner, cell, cells, start, member, place)
+
+
+@kernel
+def make_grid_of_images(points: Array, chosen: Ints, cell: float, period: Array) -> Grid:
+    """Sort the points `chosen` as `make_grid` does, in a box together with their images.
+
+    Each point is entered four times: where it is, and beyond the nearer side along x, along y and
+    along both. So every image within half a period of a place in the box is there. Searches take
+    `place` from the grid, and subtract.
+    """
+    if period[0] <= 0.0:
+        return make_grid(points, chosen, cell)
+    m = len(chosen)
+    images, member = np.empty((4 * m, 3)), np.empty(4 * m, np.int64)
+    for k in range(m):
+        x, y, z = times(1.0, vector(points[chosen[k]]))  # in double precision
+        beyond_x, beyond_y = (
+            x - math.copysign(1.0, x) * period[0],
+            y - math.copysign(1.0, y) * period[1],
+        )
+        store(images[4 * k], (x, y, z))
+        store(images[4 * k + 1], (beyond_x, y, z))
+        store(images[4 * k + 2], (x, beyond_y, z))
+        store(images[4 * k + 3], (beyond_x, beyond_y, z))
+        member[4 * k : 4 * k + 4] = chosen[k]
+    grid = make_grid(images, np.arange(4 * m), cell)
+    for slot in range(4 * m):
+        grid.member[slot] = member[grid.member[slot]]
+    return grid
 
 
 @kernel
@@ -189,13 +219,13 @@ def farthest(place: Array, p: Vector, found: Ints) -> float:
 
 
 @kernel
-def _farthest_kept(place: Array, p: Vector, kept: Ints) -> float:
+def _farthest_kept(fishes: Fishes, p: Vector, kept: Ints) -> float:
     """A guess like that of `farthest`, from a list that may have lost members."""
     square = 0.0
     for k in kept:
         if k < 0:
             return MISSING * MARGIN * math.sqrt(square) if square > 0.0 else np.inf
-        away = minus(vector(place[k]), p)
+        away = minus(place_near(fishes, k, p), p)
         square = max(square, dot(away, away))
     return MARGIN * math.sqrt(square)
 
@@ -223,7 +253,7 @@ CELL_CM = 60.0  # large enough that few cells are empty
 def grid_of(fishes: Fishes, kind: int) -> Grid:
     """Sort the living fishes of a species into a grid."""
     fellows = np.flatnonzero(fishes.alive & (fishes.species == kind))
-    return make_grid(fishes.position, fellows, CELL_CM)
+    return make_grid_of_images(fishes.position, fellows, CELL_CM, fishes.period)
 
 
 @kernel
@@ -241,5 +271,5 @@ def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, grid: Grid) -> None
         if minds.schools[i]:
             rule = minds.rules[minds.school_rule[i]]
             reach = max(rule[SIGHT_BL], rule[LATERAL_LINE_BL]) * float(fishes.length[i])
-            guess = _farthest_kept(fishes.position, here, minds.neighbour[i])
+            guess = _farthest_kept(fishes, here, minds.neighbour[i])
         nearest(grid, here, reach, i, minds.neighbour[i], gaps, guess)

@@ -25,7 +25,7 @@ from subsea.perception import (
 )
 from subsea.perception.collision import Crowd
 from subsea.perception.comfort import sense_comfort
-from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid
+from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid, make_grid_of_images
 from subsea.perception.leader_tracking import Schools
 from subsea.state import CIRCLING, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 from subsea.state.habits import brightness_above
@@ -51,9 +51,10 @@ def mark_due(
     """Set `due` of the fishes `who`, and add a tick to their `minds.pause`.
 
     Turns are spread evenly over ticks. In the first tick all think, and pairs that circle or do
-    what follows always do: they move close to each other.
+    what follows always do: they move close to each other. So do all in a box, where every place is
+    like any other.
     """
-    submarine = vector(sea.submarine)
+    submarine, in_box = vector(sea.submarine), fishes.period[0] > 0.0
     for i in who:
         minds.pause[i] += np.float32(clock.dt)
         due[i] = False
@@ -61,7 +62,7 @@ def mark_due(
             continue
         distance = norm(minus(vector(fishes.position[i]), submarine))
         every = 1
-        if distance > NEAR_CM and minds.courtship[i] < CIRCLING:
+        if distance > NEAR_CM and minds.courtship[i] < CIRCLING and not in_box:
             every = FAR_TICKS if distance < visibility else UNSEEN_TICKS
         due[i] = clock.tick == 0 or (clock.tick + i) % every == 0
 
@@ -139,8 +140,8 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
     courting = bool((kinds[who] == PACIFIST).any())
 
     def grid(wanted: bool, kind: int, cell: float) -> Callable[[], Any]:
-        return lambda: make_grid(
-            fishes.position, np.flatnonzero(alive & (kinds == kind) & wanted), cell
+        return lambda: make_grid_of_images(
+            fishes.position, np.flatnonzero(alive & (kinds == kind) & wanted), cell, fishes.period
         )
 
     species = [int(kind) for kind in np.unique(fishes.species[who])]

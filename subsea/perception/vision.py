@@ -13,6 +13,7 @@ from subsea.geometry.solids import (
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import Fishes, Nature, Sea
+from subsea.state.places import place_near
 
 FIELD_COS = math.cos(math.radians(150.0))  # half of the field of 300 degrees
 # Points of the centre line, from snout to tail, that are tested for occlusion, the middle first.
@@ -41,8 +42,20 @@ def along_body(fishes: Fishes, i: int, share: float) -> Vector:
 
     The line is taken as straight: bends of a swimming body are less than a tenth of its length.
     """
+    return along_from(vector(fishes.position[i]), fishes, i, share)
+
+
+@kernel
+def along_body_near(fishes: Fishes, j: int, share: float, here: Vector) -> Vector:
+    """The same point of another fish j, in a box on its image nearest to `here`."""
+    return along_from(place_near(fishes, j, here), fishes, j, share)
+
+
+@kernel
+def along_from(origin: Vector, fishes: Fishes, i: int, share: float) -> Vector:
+    """The same point if the origin of the body frame lies at `origin`."""
     along = float(fishes.snout[i]) - share * float(fishes.length[i])
-    return plus(vector(fishes.position[i]), times(along, ahead_of(fishes, i)))
+    return plus(origin, times(along, ahead_of(fishes, i)))
 
 
 @kernel
@@ -86,11 +99,12 @@ def sees_fish(fishes: Fishes, i: int, j: int, sea: Sea, nature: Nature) -> bool:
     """True if fish i sees fish j: middle in view, any point not occluded (Tu §6.4.2)."""
     eye = eye_of(fishes, i)
     reach = sight(float(fishes.length[j]), nature)
-    if not in_view(eye, ahead_of(fishes, i), vector(fishes.position[j]), reach):
+    there = place_near(fishes, j, eye)
+    if not in_view(eye, ahead_of(fishes, i), there, reach):
         return False
     seen = False
     for share in BODY_SHARES:
-        seen = seen or not hidden(sea, eye, along_body(fishes, j, share))
+        seen = seen or not hidden(sea, eye, along_from(there, fishes, j, share))
     return seen
 
 

@@ -43,6 +43,7 @@ def findings(scenario: Scenario) -> Findings:
     for key, place in _places(scenario):
         yield from _outside(key, place, scenario)
     yield from _untanked(scenario)
+    yield from _not_periodic(scenario)
     yield from _misnamed(scenario)
     yield from _misfits(scenario)
     yield from _unruly(scenario)
@@ -120,6 +121,47 @@ def _untanked(scenario: Scenario) -> Findings:
         if any(getattr(water, name)):
             key = f"water.{name}"
             yield UserError(f"`{key}`: expected 0 in a tank, whose walls let no water in", key=key)
+
+
+# Tables of things at a place. In a periodic box their images would have to be there, too.
+FIXED = (
+    "pillar", "rock", "outcrop", "ridge", "arch", "wreck", "hook", "seaweed", "vent", "reef",
+    "coral", "tour", "direction",
+)  # fmt: skip
+
+
+def _not_periodic(scenario: Scenario) -> Findings:
+    """Find what a box with periodic sides cannot have: places that differ from their images."""
+    if scenario.bounds.periodic_cm is None:
+        return
+    for name in FIXED:
+        if getattr(scenario, name):
+            yield UserError(f"`{name}`: expected none in a box with periodic sides", key=name)
+    for table, names in (
+        ("terrain", ("dune_height_cm", "shelf_cm")),
+        ("water", ("plankton",)),
+        ("nature", ("submarine_cm", "curiosity_cm")),
+    ):
+        for name in names:
+            if value := getattr(getattr(scenario, table), name):
+                key, expected = f"{table}.{name}", "expected 0 in a box with periodic sides"
+                yield UserError(f"`{key}` {value:g}: {expected}", key=key)
+    if scenario.bounds.tank_cm is not None:
+        key = "bounds.tank_cm"
+        yield UserError(f"`{key}`: expected none beside `bounds.periodic_cm`", key=key)
+    for k, shoal in enumerate(scenario.fish):
+        for name in ("position_cm", "toward_cm"):
+            place = getattr(shoal, name)
+            if place is not None and any(
+                abs(x) > 0.5 * side
+                for x, side in zip(place, scenario.bounds.periodic_cm, strict=False)
+            ):
+                key = f"fish[{k}].{name}"
+                sides = " and ".join(f"±{0.5 * side:g}" for side in scenario.bounds.periodic_cm)
+                yield UserError(
+                    f"`{key}` {place} lies outside the box: expected x and y within {sides} cm",
+                    key=key,
+                )
 
 
 def _misnamed(scenario: Scenario) -> Findings:
@@ -211,9 +253,11 @@ def _unruly(scenario: Scenario) -> Findings:
                 key = _key_of_rule(scenario, k, name)
                 yield UserError(f"`{key}` {fault}", key=key)
         for i, goal in enumerate(rules.goals or ()):
-            yield from _outside(
-                f"{_key_of_rule(scenario, k, 'goals')}[{i}].position_cm", goal.position_cm, scenario
-            )
+            key = f"{_key_of_rule(scenario, k, 'goals')}[{i}].position_cm"
+            yield from _outside(key, goal.position_cm, scenario)
+            if goal.position_cm is not None and scenario.bounds.periodic_cm is not None:
+                fault = "expected `heading_deg` in a box with periodic sides"
+                yield UserError(f"`{key}`: {fault}", key=key)
     if len(different) > MAX_RULES:
         many = len(different)
         yield UserError(f"{many} different rules of schools, expected at most {MAX_RULES}")

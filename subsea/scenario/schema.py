@@ -73,6 +73,7 @@ Seed = Annotated[int, msgspec.Meta(ge=0, le=MAX_SEED)]
 Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Size = Annotated[float, msgspec.Meta(ge=0.001, le=1000)]
 TankSide = Annotated[float, msgspec.Meta(ge=150, le=4000)]
+Period = Annotated[float, msgspec.Meta(ge=100, le=20000)]
 Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
@@ -95,6 +96,9 @@ class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     depth_cm: Annotated[float, msgspec.Meta(ge=200, le=5000)]
     # Inner length along x and width along y of a tank with walls of glass around the middle.
     tank_cm: tuple[TankSide, TankSide] | None = None
+    # Length along x and width along y of a box of open water around the middle, whose sides are
+    # periodic: a fish that leaves on one side comes in on the other.
+    periodic_cm: tuple[Period, Period] | None = None
 
 
 class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -149,6 +149,9 @@ class Fishes(NamedTuple):
     shell: Annotated[
         F32, behavior("n", unit="cm"), "how deep it may be in the free shell around drawn stone"
     ]
+    period: Annotated[
+        F32, creation(2, unit="cm"), "of the box along x and y, 0 without periodic sides"
+    ]
 
 
 class Live(NamedTuple):

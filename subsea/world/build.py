@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import msgspec
 import numpy as np
 
+from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.language import marked
 from subsea.base.toml_files import locate_errors
@@ -84,7 +85,7 @@ def create_world(
     state = State(
         tick=0,
         seed=seed,
-        fishes=empty(Fishes, n=sum(numbers)),
+        fishes=empty(Fishes, n=sum(numbers), given={"period": period_of(scenario)}),
         minds=empty(Minds, n=sum(numbers), b=len(table.behaviors), d=len(table.desires)),
         sea=sea,
         seaweed=seaweed,
@@ -117,12 +118,21 @@ def create_world(
     return world
 
 
+def period_of(scenario: Scenario) -> Array:
+    """Return the period (2,) of the box of a scenario, cm; zeros without one."""
+    return np.array(scenario.bounds.periodic_cm or (0.0, 0.0), np.float32)
+
+
 def _smells(scenario: Scenario, species: Sequence[Species]) -> bool:
-    """True if a scenario has a hook, or predators and prey."""
+    """True if a scenario has a hook, or predators and prey, and water that carries odours.
+
+    The water of a box does not: what leaves its cells would have to come in again.
+    """
     by_name = dict(zip(scenario.species, species, strict=True))
     kinds = {shoal.kind or by_name[shoal.species].kind for shoal in scenario.fish}
     kinds |= {table.kind for table in scenario.individual if table.kind is not None}
-    return scenario.hook is not None or {"predator", "prey"} <= kinds
+    smelt = scenario.hook is not None or {"predator", "prey"} <= kinds
+    return smelt and scenario.bounds.periodic_cm is None
 
 
 def make_surroundings(

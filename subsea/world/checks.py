@@ -1,14 +1,23 @@
 """Find things of a scenario inside the seabed, solids or one another."""
 
+import math
+
 import numpy as np
 
 from subsea.base.errors import UserError
+from subsea.fish.species import load_species
 from subsea.geometry.solids import rock_tops
 from subsea.habitat.sea import solids_on
+from subsea.perception.grid import REACH_CM
+from subsea.perception.vision import FARTHEST
 from subsea.scenario.checks import Findings, check_scenario
 from subsea.scenario.schema import MAX_SOLIDS, Scenario
 from subsea.state import HULL_CM, Sea
 from subsea.submarine.vessel import check_tours, gaps_at
+
+# Distance at which no fish perceives the wall of the sea or the submarine: constant, and per length
+# of the longest fish.
+EDGE_CM, EDGE_BL = 200.0, 4.0
 
 
 def check_in_sea(scenario: Scenario, sea: Sea) -> None:
@@ -46,11 +55,71 @@ def tour_fault(
     return None
 
 
+def _misfits_in_box(scenario: Scenario) -> Findings:
+    """Find fishes that see too far for a periodic box, or need a reef, and what is too near to it.
+
+    A fish that sees farther than half the box would see itself, and others twice.
+    """
+    sides = scenario.bounds.periodic_cm
+    if sides is None:
+        return
+    nature, longest, reach = scenario.nature, 0.0, REACH_CM
+    for k, shoal in enumerate(scenario.fish):
+        species, rules = load_species(shoal.species), scenario.rules_of(shoal)
+        kind = shoal.kind or species.kind
+        if kind == "predator":
+            reach = max(reach, nature.smell_cm)
+        if kind == "pacifist" or species.home_cm is not None:
+            key, name = f"fish[{k}].species", shoal.species
+            fault = "it lives at a reef, expected prey or predators in a box with periodic sides"
+            yield UserError(f"`{key}` {name!r}: {fault}", key=key)
+        length = max(*(shoal.size_cm or species.size_cm), shoal.leader_cm or 0.0)
+        longest = max(longest, length)
+        schools = species.schooling if shoal.schooling is None else shoal.schooling
+        if schools or any(one.schooling for one in scenario.individual):
+            felt = max(rules.sight_bl or 0.0, rules.lateral_line_bl or 0.0)
+            reach = max(reach, felt * length)
+    for k, one in enumerate(scenario.individual):
+        if one.kind == "pacifist":
+            key = f"individual[{k}].kind"
+            fault = "expected prey or predators in a box with periodic sides"
+            yield UserError(f"`{key}` 'pacifist': {fault}", key=key)
+    reach = max(reach, nature.vision_cm * min(longest / nature.standard_cm, FARTHEST))
+    least = math.ceil(2.0 * (reach + longest))
+    if min(sides) < least:
+        key = "bounds.periodic_cm"
+        yield UserError(
+            f"`{key}` {list(sides)}: fishes of {longest:g} cm perceive others at {reach:.0f} cm, "
+            f"expected at least {least} along x and y (twice the sum), or a shorter "
+            "`nature.vision_cm`, `nature.smell_cm` or `school.sight_bl`",
+            key=key,
+        )
+    edge = EDGE_CM + EDGE_BL * longest
+    least = math.ceil(0.5 * math.hypot(*sides) + edge)
+    if scenario.bounds.radius_cm < least:
+        key = "bounds.radius_cm"
+        yield UserError(
+            f"`{key}` {scenario.bounds.radius_cm:g}: expected at least {least}, so that no fish "
+            f"in the corners of the box perceives the wall of the sea",
+            key=key,
+        )
+    place = scenario.submarine.position_cm
+    beyond = [max(abs(x) - 0.5 * side, 0.0) for x, side in zip(place, sides, strict=False)]
+    if math.hypot(*beyond) < edge:
+        key = "submarine.position_cm"
+        yield UserError(
+            f"`{key}` {place} lies in the box with periodic sides or near it, expected at least "
+            f"{edge:.0f} cm outside",
+            key=key,
+        )
+
+
 def findings(scenario: Scenario, sea: Sea, owners: list[str]) -> Findings:
     """Find too many rocks, pillars above the surface, and places inside the seabed or a solid.
 
     The scenario has no finding of `scenario.checks`; `owners` is its table of each rock.
     """
+    yield from _misfits_in_box(scenario)
     if len(owners) > MAX_SOLIDS:
         yield UserError(
             f"{len(owners)} rocks in all, those of outcrops and arches counted, "

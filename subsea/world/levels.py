@@ -29,8 +29,12 @@ LEAST_PART = 8192  # fishes for which another thread pays
 
 
 def has_levels(scenario: Scenario, state: State) -> bool:
-    """Tell if a dive in a scenario has levels: in seas of many fishes, unless it says no."""
-    return scenario.levels and len(state.fishes.species) >= MANY
+    """Tell if a dive in a scenario has levels: in seas of many fishes, unless it says no.
+
+    In a box no place is far from any other.
+    """
+    many = len(state.fishes.species) >= MANY
+    return scenario.levels and many and scenario.bounds.periodic_cm is None
 
 
 class Turns(NamedTuple):

@@ -6,11 +6,13 @@ import numpy as np
 from msgspec.structs import replace
 
 from subsea.base.arrays import Array
+from subsea.geometry.periodic import gathered
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import clearance, out_of_solids
 from subsea.scenario.schema import Shoal
 from subsea.state import NOBODY, TRAITS
+from subsea.world.periodic import wrap
 from subsea.world.placement import Place
 from subsea.world.populate import ROOM_BL
 from subsea.world.snapshot import changing, constant
@@ -50,6 +52,8 @@ def migrate(before: World, world: World) -> None:
     for name, array in {**changing(world), **constant(world)}.items():
         if name.startswith("live."):  # there may be more slots than before
             array[: len(theirs[name])] = theirs[name]
+        elif name == "fishes.period":
+            continue  # that of the new sea
         elif name.startswith(LIVING) and array.shape == theirs[name].shape:
             array[...] = theirs[name]
     world.state.tick = before.state.tick
@@ -65,6 +69,7 @@ def migrate(before: World, world: World) -> None:
             room = ROOM_BL * float(fishes.length[i])
             fishes.position[i] = out_of_solids(sea, here, room, CLEAR_CM, CLEAR_CM)
             fishes.previous_position[i] = fishes.position[i]
+    wrap(fishes, world.state.minds)
 
 
 def _moved_schools(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[slice, Place]]:
@@ -82,7 +87,8 @@ def _move_school(world: World, school: slice, place: Array) -> None:
     if not fishes.alive[school].any():
         return
     here = fishes.position[school].astype(np.float64)
-    there = here + place - here[fishes.alive[school]].mean(axis=0)
+    around = gathered(here[fishes.alive[school]], fishes.period)
+    there = here + place - around.mean(axis=0)
     away = np.maximum(np.hypot(there[:, 0], there[:, 1]), 1e-6)
     there[:, :2] *= np.minimum(1.0, (sea.radius - CLEAR_CM) / away)[:, None]
     for k, (x, y, z) in enumerate(there):

@@ -15,6 +15,7 @@ from msgspec.structs import replace
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
+from subsea.geometry.periodic import gathered
 from subsea.geometry.solids import (
     NEVER,
     height_at,
@@ -146,7 +147,8 @@ def schools(now: Scenario, trial: Scenario, fishes: Fishes, sea: Sea) -> list[Ha
             continue
         x, y, z = given
         if given == shoal.position_cm:
-            x, y, z = fishes.position[members][fishes.alive[members]].mean(axis=0).tolist()
+            living = fishes.position[members][fishes.alive[members]]
+            x, y, z = gathered(living, fishes.period).mean(axis=0).tolist()
         out.append(_handle("fish", k, (x, y, z), trial.fish[k].spread_cm, sea))
     return out
 

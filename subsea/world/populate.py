@@ -36,6 +36,7 @@ from subsea.state import (
 )
 from subsea.state.school_rules import rule_row
 from subsea.state.wants import ITCH_BEGINS
+from subsea.world.periodic import wrap
 from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
@@ -132,6 +133,7 @@ def populate(world: World, rng: np.random.Generator) -> None:
     fishes.flaps[:] = flaps[fishes.species]
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
+    wrap(fishes, minds)
     _let_out(fishes, library, sea)
     settle(world.species, fishes, minds, world.state.reef)
     set_ways(world.species, fishes, minds, world.state.reef)
@@ -214,11 +216,15 @@ def _girths(species: Sequence[Species], library: Library) -> Array:
 def _places(
     shoal: Shoal, number: int, schooling: bool, scenario: Scenario, rng: np.random.Generator
 ) -> Array:
-    """Draw the starting places (number, 3) of a shoal inside the cylinder, cm."""
+    """Draw the starting places (number, 3) of a shoal inside the cylinder, cm.
+
+    In a box with periodic sides they may lie beyond a side.
+    """
     radius, tank = scenario.bounds.radius_cm, scenario.bounds.tank_cm
-    if shoal.position_cm is None and tank is not None:
-        share = rng.uniform((-0.4, -0.4, -0.9), (0.4, 0.4, -0.3), (number, 3))
-        return share * (*tank, scenario.bounds.depth_cm)
+    sides, share = (tank, 0.4) if tank is not None else (scenario.bounds.periodic_cm, 0.5)
+    if shoal.position_cm is None and sides is not None:
+        places = rng.uniform((-share, -share, -0.9), (share, share, -0.3), (number, 3))
+        return places * (*sides, scenario.bounds.depth_cm)
     if shoal.position_cm is None:
         angle = rng.uniform(0, 2 * np.pi, number)
         reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
@@ -228,8 +234,9 @@ def _places(
     more = number / max(shoal.number, 1)
     spread = shoal.spread_cm * (more if schooling else max(more, 1.0)) ** (1 / 3)
     places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
-    out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
-    places[:, :2] /= np.maximum(out, 1.0)[:, None]
+    if scenario.bounds.periodic_cm is None:
+        out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
+        places[:, :2] /= np.maximum(out, 1.0)[:, None]
     if tank is not None:
         places[:, :2] = np.clip(places[:, :2], *np.multiply.outer((-0.45, 0.45), tank))
     return np.asarray(places)

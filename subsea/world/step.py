@@ -48,6 +48,7 @@ from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes, Minds, Sea, State, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
 from subsea.world.levels import Turns, find_turns
+from subsea.world.periodic import wrap
 from subsea.world.shell import keep_off_drawn
 from subsea.world.world import TICK_S, World
 
@@ -267,6 +268,7 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
     if len(state.live.fish):
         simulate(world, clock)
     share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)
+    wrap(fishes, state.minds)
 
 
 def simulate(world: World, clock: Clock) -> None:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.geometry.periodic import shortest
 from subsea.perception.grid import REACH_CM, find_neighbours, grid_of
 from subsea.scenario.school_rules import USUAL
 from subsea.state import NEIGHBOURS, Fishes, Minds, empty
@@ -16,11 +17,11 @@ def _find(who, fishes, minds):
 
 
 def _all_pairs(fishes, reach):
-    """Reference: sort all fishes by distance, then by index."""
+    """Reference: sort all fishes by distance of the nearest image, then by index."""
     out = np.full((len(fishes.species), NEIGHBOURS), -1)
     p = fishes.position.astype(np.float64)
     for i in range(len(p)):
-        d = ((p - p[i]) ** 2).sum(axis=1)
+        d = (shortest(p - p[i], fishes.period) ** 2).sum(axis=1)
         near = [
             j
             for j in np.lexsort((np.arange(len(p)), d))
@@ -40,6 +41,25 @@ def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
     # rounded places make equal distances, to test the order
     fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
+    fishes.species[:] = rng.integers(0, 2, n)
+    _find(np.arange(n), fishes, minds)
+    np.testing.assert_array_equal(minds.neighbour, _all_pairs(fishes, REACH_CM))
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(0, 120),
+    period=st.tuples(*[st.sampled_from([256.0, 300.0, 1000.0])] * 2),
+)
+def test_the_grid_of_a_box_finds_the_nearest_images(seed, n, period):
+    """Fishes are anywhere in the box, and half of them near a seam; none finds itself."""
+    rng = np.random.default_rng(seed)
+    fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
+    fishes.period[:] = period
+    fishes.position[:, :2] = np.round(rng.uniform(-0.5, 0.5, (n, 2)) * period)
+    near = rng.uniform(0, 1, n) < 0.5
+    fishes.position[near, 0] = np.sign(fishes.position[near, 0]) * (period[0] / 2 - 1.0)
+    fishes.position[:, 2] = np.round(rng.uniform(-100, 0, n))
     fishes.species[:] = rng.integers(0, 2, n)
     _find(np.arange(n), fishes, minds)
     np.testing.assert_array_equal(minds.neighbour, _all_pairs(fishes, REACH_CM))

@@ -18,6 +18,7 @@ import numpy as np
 from subsea.base.arrays import Array, Bools, Bytes, Ints
 from subsea.base.errors import UserError, unknown
 from subsea.behavior.teleop import TeleopCommands
+from subsea.geometry.periodic import shortest
 from subsea.geometry.rotation import matrix, x_axis
 from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.geometry.vector import vector
@@ -113,7 +114,7 @@ def senses(world: World, who: Ints) -> Array:
 
     def toward(places: Array, seen: Bools, scale_bl: float) -> Array:
         """Compute directions and nearness (k, 4 m) of places (k, m, 3) that are `seen` (k, m)."""
-        gap = places - snout[:, None]
+        gap = shortest(places - snout[:, None], fishes.period)
         distance = np.linalg.norm(gap, axis=2)
         way = _to_body(axes, gap) / np.maximum(distance, 1e-6)[..., None]
         scale = scale_bl * length[:, None]

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.geometry.periodic import shortest
 from subsea.lab.environments.living_sea import Outcome
 from subsea.lab.measures import headings
 from subsea.state import HUNGER, NOBODY, PREDATOR
@@ -53,7 +54,8 @@ def school_reward(outcome: Outcome) -> Array:
     ahead = headings(fishes.orientation)
     cosine = np.einsum("ki,kmi->km", ahead[who], ahead[other])
     polarisation = (cosine * known).sum(axis=1) / number
-    gap = np.linalg.norm(fishes.position[other] - fishes.position[who, None], axis=2)
+    ways = shortest(fishes.position[other] - fishes.position[who, None], fishes.period)
+    gap = np.linalg.norm(ways, axis=2)
     mean_length = (fishes.length[other] + fishes.length[who, None]) / 2
     distance = (gap * known).sum(axis=1) / number / fishes.length[who]
     cohesion = np.where(known.any(axis=1), np.exp(-distance / COHESION_BL), 0.0)
