@@ -30,7 +30,7 @@ CLEAN_PX = 3.0  # errors beyond this many times the expected ones count less and
 UPRIGHT = 0.03  # rms error, in sides of a photograph, of a first guess that is good enough
 GROSS = 4.0  # median errors: blocks that are farther off may have moved the fit of a projector
 STARTS, MEMBERS = 40, 7  # fits to a few blocks each, the best of which is another start
-ROUNDS = 6  # of weighing the blocks of a projector anew
+ROUNDS = 4  # of weighing the blocks of a projector anew
 BLOCKS = 150  # of each projector that serve to solve a camera
 
 
@@ -112,15 +112,16 @@ class ProjectorLens(NamedTuple):
 
 
 def fit_projector(
-    surface: LitSurface, points: Array, shown: Array, size: tuple[int, int], bend: float
-) -> tuple[ProjectorLens, Array]:
+    surface: LitSurface, points: Array, shown: Array, size: tuple[int, int], bend: float,
+    doubt: bool = True,
+) -> tuple[ProjectorLens, Array]:  # fmt: skip
     """Fit the lens of a projector to points (n, 3) that its pixels (n, 2) light.
 
     Returns it with the errors (n, 2) in pixels of the projector. The direct linear transformation
     (Hartley and Zisserman, §7.1) is repeated with its terms weighted by depth, so that it minimises
     errors in pixels, and by Cauchy's weights, as light may have been reflected on its way. It
     begins anew with the least median error of fits to a few points (Rousseeuw 1984) if points are
-    far off.
+    far off, unless `doubt` is False: a camera is still moved then.
     """
     lens = ProjectorLens(np.zeros((3, 4)), bend, size)
     target = lens.straight(shown)
@@ -135,7 +136,7 @@ def fit_projector(
     )
     found, away = _reweighted(rows, ends, aim, _null_matrices(rows.reshape(2 * len(u), -1)))
     usual = float(np.median(away))
-    if away.max() > GROSS * usual or usual > CLEAN_PX * outer[0, 0]:
+    if doubt and (away.max() > GROSS * usual or usual > CLEAN_PX * outer[0, 0]):
         some = np.random.default_rng(0).integers(len(u), size=(STARTS, MEMBERS))
         tries = _null_matrices(rows[some].reshape(STARTS, 2 * MEMBERS, -1))
         medians = np.median(_apart(ends @ np.swapaxes(tries, 1, 2), aim), axis=1)
@@ -285,8 +286,9 @@ def _refined(
             error = np.full(one.shown.shape, 50.0)
             if kept.sum() > 20:
                 error[kept] = fit_projector(
-                    surface, met[kept], one.shown[kept], sizes[one.channel], projector_bend
-                )[1]
+                    surface, met[kept], one.shown[kept], sizes[one.channel], projector_bend,
+                    doubt=False,
+                )[1]  # fmt: skip
             errors.append(error)
         return errors
 
