@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from subsea.base.errors import UserError
 from subsea.dive.part import DivePart
-from subsea.stage.theatre.load import load_theatre
-from subsea.stage.theatre.theatre_file import Theatre
 
 if TYPE_CHECKING:
     from subsea.dive.options import DiveOptions
@@ -16,6 +14,7 @@ if TYPE_CHECKING:
     from subsea.stage.fleet.messages import NodeFacts
     from subsea.stage.fleet.station import FleetStation
     from subsea.stage.small_picture import SmallPicture
+    from subsea.stage.theatre.theatre_file import Theatre
     from subsea.ui.dive import Dive
 
 REPORT_S = 2.0  # between two reports of a node
@@ -44,6 +43,7 @@ class FleetPart(DivePart):
     def check(self, options: "DiveOptions") -> None:
         """Raise a UserError for a faulty file of a projector's password."""
         from subsea.stage.fleet.projectors import read_passwords
+        from subsea.stage.theatre.load import load_theatre
 
         theatre, path = load_theatre(self._name)
         if self._leads(theatre):
@@ -54,7 +54,7 @@ class FleetPart(DivePart):
         self.check(options)
         return options
 
-    def _leads(self, theatre: Theatre) -> bool:
+    def _leads(self, theatre: "Theatre") -> bool:
         cluster = theatre.cluster
         return self._node is None or cluster is None or self._node == cluster.master
 
@@ -66,6 +66,7 @@ class FleetPart(DivePart):
         from subsea.stage.fleet.projectors import Projectors
         from subsea.stage.fleet.station import FleetStation, FrameTimes
         from subsea.stage.fleet.updates import Updates
+        from subsea.stage.theatre.load import load_theatre
 
         theatre, _ = load_theatre(self._name)
         self._frames, self._begun_s = FrameTimes(), time.monotonic()

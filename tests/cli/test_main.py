@@ -16,7 +16,8 @@ from subsea.scenario.load import own_scenarios
 
 COMMANDS = (
     "dive", "export", "film", "logbook", "benchmark", "convert", "dataset", "simulate", "soak",
-    "study", "sweep", "build", "skin", "keys", "list", "show", "theatre", "doctor", "settings",
+    "study", "sweep", "build", "skin", "fleet", "keys", "list", "show", "theatre", "doctor",
+    "settings",
 )  # fmt: skip
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 

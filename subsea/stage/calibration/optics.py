@@ -29,8 +29,8 @@ BENT = 0.02  # usual distortion of a projector, as a share at the corner of its 
 CLEAN_PX = 3.0  # errors beyond this many times the expected ones count less and less
 UPRIGHT = 0.03  # rms error, in sides of a photograph, of a first guess that is good enough
 GROSS = 4.0  # median errors: blocks that are farther off may have moved the fit of a projector
-STARTS, MEMBERS = 40, 7  # fits to a few blocks each, the best of which is another start
-ROUNDS = 4  # of weighing the blocks of a projector anew
+STARTS, MEMBERS = 40, 7  # fits to a few blocks each; the best is another start
+ROUNDS = 4  # in which the blocks of a projector are weighted
 BLOCKS = 150  # of each projector that serve to solve a camera
 
 
@@ -120,7 +120,7 @@ def fit_projector(
     Returns it with the errors (n, 2) in pixels of the projector. The direct linear transformation
     (Hartley and Zisserman, §7.1) is repeated with its terms weighted by depth, so that it minimises
     errors in pixels, and by Cauchy's weights, as light may have been reflected on its way. It
-    begins anew with the least median error of fits to a few points (Rousseeuw 1984) if points are
+    begins again with the least median error of fits to a few points (Rousseeuw 1984) if points are
     far off, unless `doubt` is False: a camera is still moved then.
     """
     lens = ProjectorLens(np.zeros((3, 4)), bend, size)
