@@ -62,7 +62,7 @@ def test_a_school_parts_round_the_hull_and_closes_behind_it(seed):
         if tick % 10 == 0:
             nearest = min(nearest, gaps(world).min())
             place, length = fishes.position.astype(np.float64), fishes.length.astype(np.float64)
-            together = max(together * (tick > 90), spread(place, length, 6.0)[1])
+            together = max(together * (tick > 90), spread(place, length, 6.0, fishes.period)[1])
     assert nearest > 0.0  # none touches the hull
     assert together > 0.9  # of the fishes, at once within 20 s
 
