@@ -139,8 +139,9 @@ export class Water {
         .replace("#include <opaque_fragment>", `
           vec3 facing = normalize(u_turn * inverseTransformDirection(normal, viewMatrix));
           ${stone ? CRUST : ""}
-          vec3 light = light_on(v_sea, facing, 0.25), mirrored = vec3(0.0);
-          ${skin ? SKIN.replace("METAL", metal ? "texture2D(u_metal, vMapUv).b" : "0.0") : ""}
+          vec3 light, mirrored = vec3(0.0);
+          ${skin ? SKIN.replace("METAL", metal ? "texture2D(u_metal, vMapUv).b" : "0.0")
+                 : "light = light_on(v_sea, facing, 0.25);"}
           // What is thin glows with the light that falls on its other side.
           light += max(2.0 * (1.0 - diffuseColor.a), ${leaf.toFixed(1)}) * sunlight_at(v_sea.z) * max(dot(-facing, SUN), 0.2);
           vec3 seen = (EXPOSURE * diffuseColor.rgb * light + mirrored) * v_clear + v_veil;

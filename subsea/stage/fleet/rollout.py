@@ -16,6 +16,7 @@ from subsea.stage.fleet.messages import (
     NodeFacts,
     Rollback,
     Switch,
+    UpdateOrder,
     WheelOffer,
     WheelPart,
 )
@@ -122,7 +123,7 @@ class Rollout:
                     late = [name for name, size in done.items() if size < wheel.size]
                     raise UserError(f"{', '.join(late)}: has not taken the wheel")
 
-    def _everywhere(self, order: FromMaster, limit_s: float) -> dict[str, str]:
+    def _everywhere(self, order: UpdateOrder, limit_s: float) -> dict[str, str]:
         """Give an order to all computers; their words by node, or a UserError if one refuses."""
         words = self._ask_nodes(order, limit_s)
         self._ask_own(order)
@@ -139,9 +140,9 @@ class Rollout:
             raise UserError(f"{', '.join(missing)}: no answer in {limit_s:g} s")
         return words
 
-    def _ask_own(self, order: FromMaster) -> None:
+    def _ask_own(self, order: UpdateOrder) -> None:
         """Carry out an order on this computer."""
-        self._own.hear(order)  # type: ignore[arg-type]
+        self._own.hear(order)
         end = time.monotonic() + WORK_S
         while not (answers := self._own.take_answers()):
             if time.monotonic() > end:

@@ -68,7 +68,7 @@ class FakeDive:
         self.taken: list[PresenterCommand] = []
         self.line_up: LineUp | None = None  # of a theatre
         self.saved: list[Adjustments] = []
-        self.nodes_wanted: list[str] = []  # whose pictures were asked for
+        self.nodes_wanted: list[str] = []  # the page asks for pictures of these nodes
         self.alive = True  # beats
         self.stops = False  # takes no commands
         self._ends = False
