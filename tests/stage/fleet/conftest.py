@@ -2,7 +2,7 @@
 
 import threading
 import time
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from importlib.metadata import requires
 
 import pytest
@@ -48,17 +48,17 @@ class NodeThread(threading.Thread):
             if self.updates.restarts:
                 self.version = (self.place.link / "version").read_text()
                 self.updates.restarts = self.updates._switched = False
-            for message in (hello, encode(NodeFacts(self.version, 8))):
-                try:
-                    self._socket.send(message, zmq.NOBLOCK)
-                except zmq.Again:
-                    break
+            self._say(hello, encode(NodeFacts(self.version, 8)))
             while self._socket.poll(20):
                 self.updates.hear(from_master(self._socket.recv()))
-                for answer in self.updates.take_answers():
-                    self._socket.send(encode(answer))
-            for answer in self.updates.take_answers():
-                self._socket.send(encode(answer))
+                self._say(*map(encode, self.updates.take_answers()))
+            self._say(*map(encode, self.updates.take_answers()))
+
+    def _say(self, *messages):
+        """Send, but do not wait for a master that has gone."""
+        with suppress(zmq.Again):
+            for message in messages:
+                self._socket.send(message, zmq.NOBLOCK)
 
     def close(self):
         self.on_duty = False
