@@ -1,9 +1,13 @@
 """Seaweed: leaves as chains of masses and springs, moved by the water (Tu §8.2)."""
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.disk_cache import cached
+from subsea.geometry.angles import sine_cosine
 from subsea.geometry.solids import height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.habitat.contact import clearance
@@ -12,6 +16,7 @@ from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.habitat.rocks import RockCells
 from subsea.kernels import kernel
+from subsea.kernels.lanes import LANES, as_lanes, where_positive, zero_of
 from subsea.scenario.schema import Scenario
 from subsea.scenario.schema import SeaweedTable as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
@@ -189,8 +194,11 @@ def step_seaweed(
     count, near = _passers(seaweed, fishes, sea)
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     uniform = vector(flow)
-    water, response = np.empty((NODES, 3)), _response(clock.dt)
-    for k in who:
+    water, response = np.empty((NODES, 3, LANES)), _response(clock.dt)
+    leaves, waiting = np.empty(LANES, np.int64), 0
+    moved = np.empty(len(who), np.bool_)
+    for number in range(len(who)):
+        k = who[number]
         # A copy of arrays would take seconds to compile.
         for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
             for i in range(NODES):
@@ -199,6 +207,7 @@ def step_seaweed(
         box = sea.seaweed[k]
         middle = times(0.5, plus(vector(box[:3]), vector(box[3:])))
         away = norm(minus(middle, hull))
+        moved[number] = away <= visibility
         if away > visibility:
             continue
         size = 0.5 * norm(minus(vector(box[3:]), vector(box[:3])))
@@ -210,8 +219,8 @@ def step_seaweed(
                 p = vector(seaweed.node[leaf, i])
                 along = phase - 6.2832 / EDDY_CM * (p[0] + 0.5 * p[2])
                 v = (
-                    here[0] + EDDY_CM_S * np.sin(along),
-                    here[1] + EDDY_CM_S * np.sin(0.83 * along + 1.0),
+                    here[0] + EDDY_CM_S * sine_cosine(along)[0],
+                    here[1] + EDDY_CM_S * sine_cosine(0.83 * along + 1.0)[0],
                     here[2],
                 )
                 for slot in range(count[k]):
@@ -224,9 +233,18 @@ def step_seaweed(
                 speed = norm(v)
                 if speed > TORRENT_CM_S:
                     v = times(TORRENT_CM_S / speed, v)
-                water[i, 0], water[i, 1], water[i, 2] = v
-            _swing_leaf(seaweed, np.int64(leaf), water, response, clock.dt)
-        _enclose(seaweed, sea, k)
+                for axis in range(3):
+                    water[i, axis, waiting] = v[axis]
+            leaves[waiting] = leaf
+            waiting += 1
+            if waiting == LANES:
+                _swing_leaves(seaweed, leaves, water, response, clock.dt)
+                waiting = 0
+    if waiting > 0:
+        _swing_leaves(seaweed, leaves[:waiting], water, response, clock.dt)
+    for number in range(len(who)):
+        if moved[number]:
+            _enclose(seaweed, sea, who[number])
 
 
 @kernel
@@ -270,10 +288,11 @@ def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
 @kernel
 def _settle(seaweed: Seaweed, sea: Sea) -> None:
     """Let all leaves come to rest in still water."""
-    still, response = np.zeros((NODES, 3)), _response(0.033)
-    for leaf in range(len(seaweed.node)):
+    still, response = np.zeros((NODES, 3, LANES)), _response(0.033)
+    everyone = np.arange(len(seaweed.node))
+    for leaf in range(0, len(everyone), LANES):
         for _ in range(SETTLING):
-            _swing_leaf(seaweed, leaf, still, response, 0.033)
+            _swing_leaves(seaweed, everyone[leaf : leaf + LANES], still, response, 0.033)
     for k in range(len(seaweed.first) - 1):
         _enclose(seaweed, sea, k)
 
@@ -289,31 +308,66 @@ def _response(dt: float) -> Array:
 
 
 @kernel
-def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, response: Array, dt: float) -> None:
-    """Move a leaf by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
+def _swing_leaves(
+    seaweed: Seaweed, leaves: Ints, water: Array, response: Array, dt: float
+) -> None:  # fmt: skip
+    """Move at most LANES `leaves` by `dt`, each in its lane of `water` (m, 3, LANES), cm/s."""
+    node, velocity = np.empty((NODES, 3, LANES)), np.empty((NODES, 3, LANES))
+    lean, rest = np.empty((NODES, 3, LANES)), np.empty((NODES, LANES))
+    for lane in range(LANES):
+        leaf = leaves[min(lane, len(leaves) - 1)]  # free lanes repeat the last leaf
+        for i in range(NODES):
+            for axis in range(3):
+                node[i, axis, lane] = seaweed.node[leaf, i, axis]
+                velocity[i, axis, lane] = seaweed.velocity[leaf, i, axis]
+                lean[i, axis, lane] = seaweed.lean[leaf, i, axis]
+            if i > 0:
+                rest[i, lane] = seaweed.rest[leaf, i - 1]
+    _swing(
+        Chains(as_lanes(node), as_lanes(velocity), as_lanes(rest), as_lanes(lean)),
+        as_lanes(water), response, dt,
+    )  # fmt: skip
+    for lane in range(len(leaves)):
+        for i in range(NODES):
+            for axis in range(3):
+                seaweed.node[leaves[lane], i, axis] = node[i, axis, lane]
+                seaweed.velocity[leaves[lane], i, axis] = velocity[i, axis, lane]
+
+
+class Chains(NamedTuple):
+    """Leaves whose numbers are lanes, with m nodes from the root to the tip."""
+
+    node: Array  # (m, 3), cm
+    velocity: Array  # (m, 3), cm/s
+    rest: Array  # (m,), cm, of the spring below each node
+    lean: Array  # (m, 3), direction of the buoyancy
+
+
+@kernel
+def _swing(chains: Chains, water: Array, response: Array, dt: float) -> None:
+    """Move leaves by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
 
     Springs are explicit, with substeps short enough for the lightest node; drag is implicit.
     """
     h = dt / SUBSTEPS
-    node, velocity = seaweed.node[leaf], seaweed.velocity[leaf]
-    rest, lean = seaweed.rest[leaf], seaweed.lean[leaf]
+    node, velocity, lean = chains.node, chains.velocity, chains.lean
+    lift, ground = h * BUOYANCY_CM_S2, node[0, 2] + 2.0
     for _ in range(SUBSTEPS):
-        fx, fy, fz = 0.0, 0.0, 0.0  # pull of the spring above, on the node below it
+        fx = fy = fz = zero_of(node)  # pull of the spring above, on the node below it
         for i in range(NODES - 1, 0, -1):
-            dx = float(node[i, 0]) - float(node[i - 1, 0])
-            dy = float(node[i, 1]) - float(node[i - 1, 1])
-            dz = float(node[i, 2]) - float(node[i - 1, 2])
-            length = np.sqrt(dx * dx + dy * dy + dz * dz)
+            dx = node[i, 0] - node[i - 1, 0]
+            dy = node[i, 1] - node[i - 1, 1]
+            dz = node[i, 2] - node[i - 1, 2]
+            length = math.sqrt(dx * dx + dy * dy + dz * dz)
             inverse = 1.0 / max(length, 1e-6)
             dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
             parting = (
-                dx * float(velocity[i, 0] - velocity[i - 1, 0])
-                + dy * float(velocity[i, 1] - velocity[i - 1, 1])
-                + dz * float(velocity[i, 2] - velocity[i - 1, 2])
+                dx * (velocity[i, 0] - velocity[i - 1, 0])
+                + dy * (velocity[i, 1] - velocity[i - 1, 1])
+                + dz * (velocity[i, 2] - velocity[i - 1, 2])
             )
-            pull = SPRING * (length - float(rest[i - 1])) + DAMPING * parting
+            pull = SPRING * (length - chains.rest[i]) + DAMPING * parting
             share, drag = response[i, 0], response[i, 1]
-            lift = h * BUOYANCY_CM_S2
             flow = share * VISCOSITY
             gx, gy, gz = pull * dx, pull * dy, pull * dz
             velocity[i, 0] = drag * (
@@ -329,9 +383,10 @@ def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, response: Array, dt: 
         for i in range(1, NODES):
             for axis in range(3):
                 node[i, axis] += h * velocity[i, axis]
-            if node[i, 2] < node[0, 2] + 2.0:  # a leaf that is pressed down lies on the ground
-                node[i, 2] = node[0, 2] + 2.0
-                velocity[i, 2] = max(velocity[i, 2], 0.0)
+            # A leaf that is pressed down lies on the ground.
+            rising = max(velocity[i, 2], 0.0)
+            velocity[i, 2] = rising + where_positive(node[i, 2] - ground, velocity[i, 2] - rising)
+            node[i, 2] = max(node[i, 2], ground)
 
 
 @kernel

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.habitat import seaweed as module
-from subsea.habitat.current import REACH_CM
+from subsea.habitat.current import REACH_CM, SPREAD_CM
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.reef import KINDS, RUBBLE
 from subsea.habitat.rocks import rock_cells
@@ -24,6 +24,7 @@ from subsea.habitat.seaweed import (
     plant_seaweed,
     step_seaweed,
 )
+from subsea.kernels.lanes import LANES
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import SeaweedTable
 from subsea.state import HULL_CM, Clock, Fishes, Reef, empty
@@ -54,7 +55,7 @@ NOBODY = empty(Fishes, n=0)
 
 def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
     sea, weed = bed
-    cells = rock_cells(sea.rocks, REACH_CM)
+    cells = rock_cells(sea.rocks, REACH_CM, SPREAD_CM)
     for tick in range(ticks):
         clock = Clock(0, tick, DT)
         step_seaweed(
@@ -69,13 +70,30 @@ def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
         )
 
 
+def _swing(weed, leaves, flow):
+    water = np.broadcast_to(flow[:, None], (NODES, 3, LANES)).copy()
+    module._swing_leaves(weed, np.array(leaves), water, module._response(DT), DT)
+
+
+def test_a_leaf_swings_alone_as_among_others(make_bed):
+    _, together = make_bed({"leaves": LANES, "height_cm": 80.0})
+    _, alone = make_bed({"leaves": LANES, "height_cm": 80.0})
+    flow = np.array([30.0, -9.0, -5.0])
+    for _ in range(20):
+        _swing(together, range(LANES), flow)
+        for leaf in range(LANES):
+            _swing(alone, [leaf], flow)
+    assert (together.node == alone.node).all() and (together.velocity == alone.velocity).all()
+    assert len(np.unique(together.node[:, -1], axis=0)) == LANES
+
+
 def test_a_leaf_in_a_steady_flow_hangs_as_its_forces_add_up(make_bed):
     """Each spring carries the buoyancy and the drag of all nodes beyond it."""
     _, weed = make_bed({"leaves": 1, "height_cm": 80.0, "position_cm": (0.0, 0.0)})
     weed.lean[:] = (0.0, 0.0, 1.0)
     flow = np.array([4.0, -2.0, 0.0])
     for _ in range(3000):
-        module._swing_leaf(weed, 0, np.tile(flow, (NODES, 1)), module._response(DT), DT)
+        _swing(weed, [0], flow)
     each = BUOYANCY_CM_S2 * MASS[1:, None] * [0.0, 0.0, 1.0] + VISCOSITY * flow
     tension = np.cumsum(each[::-1], axis=0)[::-1]
     strength = np.linalg.norm(tension, axis=1, keepdims=True)
