@@ -279,7 +279,7 @@ def best_shares(gram: Array, most: int) -> Array:
             trial[k] = 0.0
             trial = _least(gram, allowed, trial / trial.sum())
             allowed[k] = True
-            value = (trial * (gram * trial).sum(axis=1)).sum()  # @ would need SciPy
+            value = (trial * _slope(gram, trial)).sum()
             if value < least:
                 least, best, without = value, trial, k
         w = best
@@ -291,7 +291,7 @@ def best_shares(gram: Array, most: int) -> Array:
 def _least(gram: Array, allowed: NDArray[np.bool_], w: Array) -> Array:
     """Minimise w·G·w over weights from a start: pairwise exchange."""
     w = w.copy()
-    slope = (gram * w).sum(axis=1)
+    slope = _slope(gram, w)
     tiny = 1e-7 * np.trace(gram) / len(gram)
     for _ in range(400):
         low, high = -1, -1
@@ -309,3 +309,13 @@ def _least(gram: Array, allowed: NDArray[np.bool_], w: Array) -> Array:
         for k in range(len(w)):
             slope[k] += step * (gram[k, low] - gram[k, high])
     return w
+
+
+@kernel
+def _slope(gram: Array, w: Array) -> Array:
+    """Multiply a matrix by a vector: @ would need SciPy, a sum along an axis 4 s to compile."""
+    slope = np.zeros(len(w))
+    for row in range(len(w)):
+        for column in range(len(w)):
+            slope[row] += gram[row, column] * w[column]
+    return slope
