@@ -5,15 +5,11 @@ a pinhole sees, so everything is blurred as it should be: what moves, and what l
 the plane in focus.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.base.arrays import Bytes
-from subsea.fish.raster import from_srgb, to_srgb
 from subsea.view.camera import View
 
 NEAREST_CM = 10.0  # in focus
@@ -59,34 +55,4 @@ def _shifted(view: View, aside: float, above: float, focus_cm: float) -> View:
     return replace(view, view=moved, projection=projection, eye=eye)
 
 
-class MeanPictures:
-    """The mean light of pictures (h, w, 3) uint8, by name. A single one stays as it is."""
-
-    def __init__(self) -> None:
-        """Without pictures."""
-        self._light: dict[str, NDArray[np.float32]] = {}
-        self._first: dict[str, Bytes] = {}
-        self._number = 0
-
-    def add(self, pictures: dict[str, Bytes]) -> None:
-        """Add a picture of each name."""
-        self._number += 1
-        if self._number == 1:
-            self._first = pictures
-            return
-        if self._number == 2:
-            self._light = {name: LIGHT[one] for name, one in self._first.items()}
-        for name, one in pictures.items():
-            self._light[name] += LIGHT[one]
-
-    def mean(self) -> Iterator[tuple[str, Bytes]]:
-        """Names and means."""
-        if self._number == 1:
-            yield from self._first.items()
-            return
-        for name, light in self._light.items():
-            yield name, (255.0 * to_srgb(light / self._number) + 0.5).astype(np.uint8)
-
-
-LIGHT = from_srgb(np.arange(256) / 255.0).astype(np.float32)  # of each level, linear
 PINHOLE = Exposure()  # one sharp picture

@@ -400,7 +400,7 @@ def film(options: TourFilmOptions) -> int:
                     elif len(open_at) == 1:
                         renderer.draw(packet)
                     else:
-                        renderer.expose(packet)
+                        renderer.expose(packet, first=sample == 0)
                     if frames and not sample:
                         frames.begin(k, replace(packet, views=pinhole), alpha, cut, k in wanted)
                     if frames and k in wanted:

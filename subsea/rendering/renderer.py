@@ -258,21 +258,24 @@ class Renderer(GpuOwner):
         self.draw_calls = self._context.extra.calls - calls
         self.draw_s = self._context.extra.seconds - seconds
 
-    def expose(self, packet: Packet) -> None:
-        """Draw every view of a packet, and add its light to that of the next `show_exposure`."""
+    def expose(self, packet: Packet, first: bool) -> None:
+        """Draw every view of a packet, and add its light to that of those before, but the `first`.
+
+        `show_exposure` shows their mean.
+        """
         with self.timer.picture():
             self._fill(packet)
         if self._exposure is None or self._exposure.size != self._target.size:
             if self._exposure:
                 self._exposure.release()
             self._exposure = self.own(ExposureSum(self._context, self._target.size))
-        self._exposure.add(self._target.resolved())
+        self._exposure.add(self._target.resolved(), first)
 
     def show_exposure(self, into: Into = OWN) -> None:
-        """Resolve the mean light of the packets exposed since the last call to the outputs."""
+        """Resolve the mean light of the packets exposed so far to the outputs."""
         if self._exposure is None or not self._exposure.pictures:
             raise ValueError("nothing has been exposed")
-        self._exposure.take(self._target.flat)
+        self._exposure.write(self._target.flat)
         smooth = self._resolve.smooth
         # Smoothing by contrast makes crosses of small bubbles, and samples have smoothed the edges.
         self._resolve.smooth = smooth and not self.quality.samples

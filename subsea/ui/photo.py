@@ -1,8 +1,8 @@
 """Photo mode: time stands still, a free eye looks around, and a lens blurs what is out of focus.
 
 The eye moves as the submarine does, by the same keys and sticks, and keeps as clear of stone and
-sand. The blurred picture is the mean of pictures through points of the lens (`media.exposure`); one
-is added with each frame while nothing changes.
+sand. The blurred picture is the mean light of pictures through points of the lens
+(`media.exposure`); one is added with each frame while nothing changes.
 """
 
 from copy import deepcopy
@@ -17,7 +17,7 @@ from subsea.base.arrays import Bytes
 from subsea.base.language import marked, translated
 from subsea.dive.captions import Caption, draw_caption
 from subsea.dive.settings import Command, key_words
-from subsea.media.exposure import Exposure, MeanPictures
+from subsea.media.exposure import Exposure
 from subsea.media.screenshots import pictures_folder
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.submarine.vessel import step_hull
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from subsea.ui.dive import Dive
 
 SAMPLES = 32  # pictures through the lens
-SHOWN_AT = 4, 8, 16, SAMPLES  # numbers of pictures after which their mean is shown
 WIDEST_CM, NEAREST_CM, FARTHEST_CM = 6.0, 20.0, 2000.0  # of the lens; of the plane in focus
 BRIGHTER_EV = 2.0
 TURN = 1.2  # rad by a drag over the width of the picture
@@ -62,11 +61,10 @@ class PhotoMode:
         self.open = False
         self.lens, self.caption = LensSettings(), ""
         self._was_paused = self._gui_was_open = False
-        self._mean, self._taken = MeanPictures(), 0
-        self._about: object = None  # what the mean shows
+        self._taken = 0  # samples
+        self._about: object = None  # what the samples show
         self._dragged = True  # the last press of the button began a drag, or was elsewhere
         self._wanted = False  # a picture, as soon as all its samples are taken
-        self._shown: ImageTexture | None = None
         self._gallery: list[Path] = []  # newest first
         self._leaf: int | None = None  # the number of the picture of the gallery that is shown
         self._page: ImageTexture | None = None  # that picture
@@ -114,9 +112,8 @@ class PhotoMode:
 
     def release(self) -> None:
         """Free its pictures on the GPU."""
-        for texture in filter(None, (self._shown, self._page)):
-            texture.release()
-        self._shown = self._page = self._leaf = self._about = None
+        self._close_page()
+        self._about = None
 
     def take(self) -> None:
         """Save the picture, when all its samples are taken."""
@@ -132,35 +129,25 @@ class PhotoMode:
         picture = dive.picture
         about = (
             *np.round(np.concatenate([pose.eye, pose.forward]), 3).tolist(),
-            self.lens, dive.window.size, picture.quality, dive.world.state.tick,
+            self.lens.aperture_cm, self.lens.focus_cm, dive.window.size,
+            picture.renderer.quality, dive.world.state.tick,
         )  # fmt: skip
         if about != self._about:
-            self._about, self._mean, self._taken = about, MeanPictures(), 0
-            grade = dive.world.scenario.grade
-            brighter = min(max(grade.exposure_ev + self.lens.brighter_ev, -3.0), 3.0)
-            picture.renderer.develop(msgspec.structs.replace(grade, exposure_ev=brighter))
-        sharp = self.lens.aperture_cm == 0.0 or self._taken >= SAMPLES
+            self._about, self._taken = about, 0
+        grade = dive.world.scenario.grade
+        brighter = min(max(grade.exposure_ev + self.lens.brighter_ev, -3.0), 3.0)
+        picture.renderer.develop(msgspec.structs.replace(grade, exposure_ev=brighter))
         through = Exposure(SAMPLES, 0.0, self.lens.aperture_cm, self.lens.focus_cm)
-        picture.lens = None if sharp else (through, self._taken)
+        picture.lens = None if self.lens.aperture_cm == 0.0 else (through, self._taken)
         return pose
 
     def expose(self) -> None:
-        """Add the drawn picture to the mean, and save the mean if it is wanted and complete."""
+        """Count the drawn sample, and save the picture if it is wanted and complete."""
         samples = 1 if self.lens.aperture_cm == 0.0 else SAMPLES
-        if self._taken < samples:
-            self._mean.add({"": self._dive.window_set.picture().copy()})
-            self._taken += 1
-            if self._shown is not None and (self._taken in SHOWN_AT or samples == 1):
-                self._shown.release()
-                self._shown = None
-            if self._shown is None and samples > 1 and self._taken in SHOWN_AT:
-                self._shown = self._dive.picture.upload(self._pixels())
-        if self._wanted and self._taken >= samples:
+        self._taken = min(self._taken + 1, samples)
+        if self._wanted and self._taken == samples:
             self._wanted = False
-            self._save(self._pixels())
-
-    def _pixels(self) -> Bytes:
-        return next(iter(self._mean.mean()))[1]
+            self._save(self._dive.window_set.picture().copy())
 
     def _save(self, pixels: Bytes) -> None:
         rig = self._dive.picture.rig
@@ -169,15 +156,11 @@ class PhotoMode:
         self._dive.shots.picture(draw_caption(pixels, rig, front(rig).output, words))
 
     def draw(self) -> None:
-        """Draw the picture, the panel or a picture of the gallery in the current frame."""
+        """Draw the panel or a picture of the gallery in the current frame."""
         size = imgui.get_io().display_size
         if self._page is not None:
             self._draw_page()
             return
-        if self._shown is not None:
-            imgui.get_background_draw_list().add_image(
-                imgui.ImTextureRef(self._shown.glo), (0.0, 0.0), size
-            )
         line, flags = imgui.get_font_size(), imgui.WindowFlags_
         imgui.set_next_window_pos((size.x / 2, size.y - 0.8 * line), 0, (0.5, 1.0))
         imgui.begin(

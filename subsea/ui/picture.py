@@ -112,7 +112,9 @@ class ScenePicture:
         self.bodies = True  # False: fishes are hidden, but not their diagrams
         self.overlay: Fisheye | None = None  # a picture over the sea
         self.labels: Sequence[Label] = ()  # of diagrams
-        self.lens: tuple[Exposure, int] | None = None  # and the number of a point on it
+        # Of a picture that gathers light, and the number of the next point on it; all are taken
+        # when that is the number of samples, and their mean is shown.
+        self.lens: tuple[Exposure, int] | None = None
         self.viewports: tuple[TextViewport, ...]  # for text
         self._window_set, self._fixed, self._options = window_set, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
@@ -331,8 +333,8 @@ class ScenePicture:
         The GPU still draws it. The frame takes the longer of this time and that of the GPU, which
         is known of the picture before.
         """
-        if self.quality != AUTO or self.pattern:
-            return
+        if self.quality != AUTO or self.pattern or self.lens is not None:
+            return  # a change would begin the samples through a lens again
         frame_ms = 1000.0 * max(spent_s, self.renderer.gpu_s)
         self._pace = adaptive_quality.paced(self._pace, frame_ms, self.target_ms)
         if self._chosen() != self.renderer.quality:
@@ -448,6 +450,10 @@ class ScenePicture:
 
     def _draw(self, chosen: int | None) -> None:
         quality, ride = self.renderer.quality, self.ride
+        into = {0: self._context.screen} if self._direct else {}
+        if self.lens is not None and self.lens[1] >= self.lens[0].samples:
+            self.renderer.show_exposure(into)
+            return
         self._seen = seen = self.views()
         own = len(seen) - len(self.insets)  # retina pictures have no diagrams
         marked = chosen if ride is None else ride.by.fish
@@ -459,7 +465,6 @@ class ScenePicture:
             self._world, seen, self.alpha, options=quality.packing,
             memory=self._memory, lines=lines, pilot=self.eye,
         )  # fmt: skip
-        into = {0: self._context.screen} if self._direct else {}
         if self.head is not None:
             into |= self.head.targets
             self.rig = self.head.steadied(self.rig)
@@ -469,8 +474,12 @@ class ScenePicture:
         if ride is not None:
             passing = velocity_of(self._world, ride.by.fish)
             packet = replace(packet, passing_cm_s=passing, lined=own)
-        self.renderer.draw(packet, into)
         self._drawn = packet
+        if self.lens is not None:
+            self.renderer.expose(packet, first=self.lens[1] == 0)
+            self.renderer.show_exposure(into)
+            return
+        self.renderer.draw(packet, into)
         if self.insets and self.colours != "colours":
             maps = self.renderer.id_maps(packet, range(own, len(seen)), joined(self.insets))
             picture = pictured(maps, self.colours)

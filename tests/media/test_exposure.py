@@ -9,7 +9,8 @@ from PIL import Image
 from subsea.cli.main import main
 from subsea.dive.directed_camera import tour_steering
 from subsea.dive.start import ready_world
-from subsea.media.exposure import LIGHT, Exposure, MeanPictures
+from subsea.fish.raster import from_srgb
+from subsea.media.exposure import Exposure
 from subsea.media.film import reach
 from subsea.scenario.load import load_scenario
 from subsea.view.camera import View, look
@@ -77,22 +78,6 @@ def test_the_shutter_is_open_for_its_share():
     assert Exposure().instants(2.0, 0.1) == [2.0]
 
 
-def test_a_single_picture_is_unchanged_and_several_are_averaged_in_light():
-    levels = np.arange(256, dtype=np.uint8).reshape(16, 16, 1).repeat(3, axis=2)
-    one = MeanPictures()
-    one.add({"": levels})
-    assert dict(one.mean())[""] is levels
-    same = MeanPictures()
-    for _ in range(3):
-        same.add({"": levels})
-    np.testing.assert_array_equal(dict(same.mean())[""], levels)
-    both = MeanPictures()
-    both.add({"": np.zeros((2, 2, 3), np.uint8)})
-    both.add({"": np.full((2, 2, 3), 255, np.uint8)})
-    assert np.unique(dict(both.mean())[""]).tolist() == [188]  # half of the light
-    assert LIGHT[188] == pytest.approx(0.5, abs=0.01)
-
-
 @pytest.mark.nightly
 @pytest.mark.usefixtures("one_context")
 def test_a_blurred_picture_is_as_bright_and_smoother(tmp_path):
@@ -102,7 +87,7 @@ def test_a_blurred_picture_is_as_bright_and_smoother(tmp_path):
     pictures = []
     for name, more in (("sharp.png", []), ("soft.png", blur)):
         assert main(["film", str(tmp_path / name), *words, *more]) == 0
-        pictures.append(LIGHT[np.asarray(Image.open(tmp_path / name))])
+        pictures.append(from_srgb(np.asarray(Image.open(tmp_path / name)) / 255.0))
     sharp, soft = pictures
     assert soft.mean() == pytest.approx(sharp.mean(), rel=0.03)
     edges = [np.abs(np.diff(one, axis=1)).mean() for one in pictures]

@@ -26,7 +26,6 @@ def boat(display, user, quiet, folder):
     pictures = PictureSettings(folder=str(folder), logbook=False)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(photo_module, "SAMPLES", 8)
-        patch.setattr(photo_module, "SHOWN_AT", (4, 8))
         options = dive_options(quiet, SIZE, "low", settings=Settings(pictures=pictures))
         with closing(Dive(options)) as running:
             user.glide(running, 0.3)
@@ -119,6 +118,20 @@ def test_brightness_is_that_of_the_light_before_the_tones(boat, photo, user, fol
     boat.photo.close()
     boat.frame(0.1)
     assert boat.picture.renderer._resolve.grade == boat.world.scenario.grade
+
+
+def test_light_that_was_gathered_is_developed_again(boat, photo, user, folder):
+    """In light a glint keeps its brightness when the lens spreads it."""
+    photo.lens = LensSettings(aperture_cm=6.0, focus_cm=60.0)
+    user.until(boat, lambda: boat.picture.lens and boat.picture.lens[1] == 8)
+    usual = boat.window_set.picture().astype(float)
+    exposures = []
+    expose = boat.picture.renderer.expose
+    boat.picture.renderer.expose = lambda *given, **named: exposures.append(expose(*given, **named))
+    photo.lens = photo.lens._replace(brighter_ev=1.0)
+    user.glide(boat, 0.3)
+    del boat.picture.renderer.expose
+    assert not exposures and boat.window_set.picture().mean() > 1.2 * usual.mean()
 
 
 def test_a_caption_is_on_the_saved_picture_only(boat, photo, user, folder):

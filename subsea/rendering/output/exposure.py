@@ -25,23 +25,23 @@ class ExposureSum(GpuOwner):
         )
         self._triangle = self.own(context.vertex_array(self._program, []))
 
-    def add(self, canvas: Any) -> None:
-        """Add a picture, a texture of this size."""
+    def add(self, canvas: Any, first: bool) -> None:
+        """Add a picture, a texture of this size; the `first` begins a sum."""
         context = self._context
         self._target.use()
-        if not self.pictures:
+        if first or not self.pictures:
             self._target.clear()
+            self.pictures = 0
         context.enable(context.BLEND)
         context.blend_func = context.ONE, context.ONE
         self._draw(canvas, 1.0)
         self.pictures += 1
 
-    def take(self, into: Any) -> None:
-        """Write the mean of the pictures into a framebuffer, and begin again."""
+    def write(self, into: Any) -> None:
+        """Write the mean of the pictures into a framebuffer."""
         into.use()
         self._context.disable(self._context.BLEND)
         self._draw(self._sum, 1.0 / self.pictures)
-        self.pictures = 0
 
     def _draw(self, picture: Any, share: float) -> None:
         context = self._context
