@@ -1,5 +1,6 @@
 #include "optics.glsl"
 #include "bites.glsl"
+#define BRIGHTEST 16.0
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
@@ -10,14 +11,14 @@ uniform sampler2D u_grain;  // ridges, polyps, pores
 uniform sampler2D u_polyps;  // of cups: slopes, height; pits
 #endif
 
-in vec3 v_world;
-in vec3 v_normal;
-in vec4 v_colour;
-in vec4 v_grain;
-in vec2 v_along;
-in vec3 v_sun;
-in vec3 v_clear;
-in vec3 v_veil;
+centroid in vec3 v_world;
+centroid in vec3 v_normal;
+centroid in vec4 v_colour;
+centroid in vec4 v_grain;
+centroid in vec2 v_along;
+centroid in vec3 v_sun;
+centroid in vec3 v_clear;
+centroid in vec3 v_veil;
 
 #ifdef CLOSE_UP
 const vec4 POLYP_SPAN = vec4(8.0, 8.0, 4.0, 4.0);  // of the texture's bytes, about 0

@@ -8,14 +8,14 @@ in vec4 a_colour;  // its root, and what shines through
 in vec4 a_grain;   // ridges, polyps, pores, and light
 in vec2 a_along;   // place on the grain
 
-out vec3 v_world;
-out vec3 v_normal;
-out vec4 v_colour;
-out vec4 v_grain;
-out vec2 v_along;
-out vec3 v_sun;    // vertices are closer together than the caustics' lines
-out vec3 v_clear;  // haze changes so slowly that the vertices suffice
-out vec3 v_veil;
+centroid out vec3 v_world;
+centroid out vec3 v_normal;
+centroid out vec4 v_colour;
+centroid out vec4 v_grain;
+centroid out vec2 v_along;
+centroid out vec3 v_sun;    // vertices are closer together than the caustics' lines
+centroid out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+centroid out vec3 v_veil;
 #ifdef OBJECT_IDS
 in float a_object_id;
 flat out float v_object_id;

@@ -9,18 +9,18 @@ void main() {}
 
 uniform sampler2D u_skins;
 
-in vec3 v_sky;
-in float v_facing;
+centroid in vec3 v_sky;
+centroid in float v_facing;
 flat in vec3 v_sun;
-in vec3 v_around;
+centroid in vec3 v_around;
 flat in float v_silver;
-in vec3 v_veil;
+centroid in vec3 v_veil;
 #ifdef PASSES
-in vec3 v_clear;
+centroid in vec3 v_clear;
 #else
 const vec3 v_clear = vec3(1.0);  // in the light already
 #endif
-in vec2 v_skin;
+centroid in vec2 v_skin;
 flat in vec4 v_tone;
 flat in float v_fade;
 

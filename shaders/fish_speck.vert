@@ -17,16 +17,16 @@ in vec4 i_pose;   // row a, row b, weight of b, identity
 in vec3 i_fins;   // mouth, dorsal and ventral fin, tail
 in vec4 i_show;   // species, cross-fade, mating colours, number of the fish
 
-out vec3 v_sky;        // light from all around
-out float v_facing;    // share of the sun's light
+centroid out vec3 v_sky;        // light from all around
+centroid out float v_facing;    // share of the sun's light
 flat out vec3 v_sun;
-out vec3 v_around;     // what silver mirrors
+centroid out vec3 v_around;     // what silver mirrors
 flat out float v_silver;
-out vec3 v_veil;
+centroid out vec3 v_veil;
 #ifdef PASSES
-out vec3 v_clear;
+centroid out vec3 v_clear;
 #endif
-out vec2 v_skin;
+centroid out vec2 v_skin;
 flat out vec4 v_tone;
 flat out float v_fade;
 #ifdef OBJECT_IDS

@@ -14,8 +14,8 @@ centroid in vec3 v_normal;
 centroid in vec2 v_rest;  // distance behind the snout, height
 centroid in vec2 v_part;  // u, v
 centroid in vec2 v_skin;  // place on the atlas of skins
-in vec3 v_clear;
-in vec3 v_veil;
+centroid in vec3 v_clear;
+centroid in vec3 v_veil;
 // What a triangle's corners share. Each four numbers more cost a triangle's set-up time.
 flat in vec3 v_ahead;    // the way the fish is heading
 flat in float v_side;    // -1 on the left half of the body, 1 on the right, 0 on thin fins

@@ -30,8 +30,8 @@ centroid out vec3 v_normal;
 centroid out vec2 v_rest;
 centroid out vec2 v_part;
 centroid out vec2 v_skin;
-out vec3 v_clear;  // haze changes so slowly that the vertices suffice
-out vec3 v_veil;
+centroid out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+centroid out vec3 v_veil;
 flat out vec3 v_ahead;
 flat out float v_side;
 flat out vec4 v_tone;

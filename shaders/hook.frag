@@ -2,10 +2,10 @@
 #include "optics.glsl"
 #include "show.glsl"
 
-in vec3 v_world;
-in vec3 v_normal;
+centroid in vec3 v_world;
+centroid in vec3 v_normal;
 flat in float v_kind;
-in float v_strength;
+centroid in float v_strength;
 
 const vec3 STEEL = vec3(0.46, 0.47, 0.48);
 const vec3 WORM = vec3(0.78, 0.27, 0.22);

@@ -10,10 +10,10 @@ uniform vec3 u_hook;  // cm
 uniform float u_top;  // cm, where the line ends above the surface
 uniform bool u_bait;
 
-out vec3 v_world;
-out vec3 v_normal;
+centroid out vec3 v_world;
+centroid out vec3 v_normal;
 flat out float v_kind;
-out float v_strength;
+centroid out float v_strength;
 
 const float LINE_FOOT = 6.0;  // cm, above the bend: below that nothing is drawn out
 

@@ -1,6 +1,7 @@
 // Sand: ripple marks in two directions, grain, litter, and rubble about what stands on it. Without
 // CLOSE_UP they are in one, which costs one read of a texture and not two.
 #include "optics.glsl"
+#define BRIGHTEST 16.0
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
@@ -21,11 +22,11 @@ uniform sampler2D u_tracks;   // slopes, height
 #endif
 uniform vec4 u_map;           // corner and size of the ground's map, cm
 
-in vec3 v_world;
-in vec2 v_slope;
-in float v_broad;
-in vec3 v_clear;
-in vec3 v_veil;
+centroid in vec3 v_world;
+centroid in vec2 v_slope;
+centroid in float v_broad;
+centroid in vec3 v_clear;
+centroid in vec3 v_veil;
 
 const vec3 PALE = vec3(0.62, 0.475, 0.30);
 const vec3 TAN = vec3(0.33, 0.215, 0.11);

@@ -1,15 +1,16 @@
 // A leaf of seaweed lets light through, so both its sides are bright.
 #include "optics.glsl"
+#define BRIGHTEST 16.0
 #include "show.glsl"
 
-in vec3 v_world;
-in vec3 v_normal;
-in vec4 v_place;
+centroid in vec3 v_world;
+centroid in vec3 v_normal;
+centroid in vec4 v_place;
 flat in vec3 v_colour;
 flat in float v_rib;
-in vec3 v_sun;
-in vec3 v_clear;
-in vec3 v_veil;
+centroid in vec3 v_sun;
+centroid in vec3 v_clear;
+centroid in vec3 v_veil;
 
 void main() {
     vec3 view = normalize(u_eye - v_world);

@@ -8,14 +8,14 @@ uniform sampler2D u_leaves;  // row by leaf: eight nodes, of which the first tel
 in vec2 a_place;  // share of its length, -1 to 1 across
 in vec3 a_frond;  // row of its leaf, its number among the fronds of that, 1: drawn only near
 
-out vec3 v_world;
-out vec3 v_normal;
-out vec4 v_place;  // along, across, own number of the frond, how high on its plant
+centroid out vec3 v_world;
+centroid out vec3 v_normal;
+centroid out vec4 v_place;  // along, across, own number of the frond, how high on its plant
 flat out vec3 v_colour;
 flat out float v_rib;  // how much of a midrib it has
-out vec3 v_sun;
-out vec3 v_clear;  // haze changes so slowly that the vertices suffice
-out vec3 v_veil;
+centroid out vec3 v_sun;
+centroid out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+centroid out vec3 v_veil;
 
 const int LAST = 7;
 const int RIBBON = 0, KELP = 1, GRASS = 2, RED = 3;

@@ -16,7 +16,18 @@ void show(vec3 light, vec3 veil, vec3 clear, float opacity) {
     if (opacity < 0.5) discard;
     f_object_id = vec4(v_object_id, 1.0 / gl_FragCoord.w, slope);
 }
-#elif defined(PASSES)
+#else
+#ifndef BRIGHTEST
+#define BRIGHTEST 128.0  // the sun above the surface reaches 70
+#endif
+
+// With several samples a pixel, slivers of triangles are lit by numbers far outside those of their
+// corners, however they are interpolated: one such pixel would bloom over the picture.
+vec3 bounded(vec3 light) {
+    return clamp(light, 0.0, BRIGHTEST);
+}
+
+#ifdef PASSES
 layout(location = 0) out vec4 f_light;
 layout(location = 1) out vec4 f_veil;
 layout(location = 2) out vec4 f_clear;
@@ -25,9 +36,9 @@ layout(location = 3) out vec4 f_cover;
 // Each part is blended by the opacity, as the picture is. `cover` is 1 where the opacity tells how
 // much of a pixel is covered.
 void show_parts(vec3 light, vec3 veil, vec3 clear, float cover, float opacity) {
-    f_light = vec4(light, opacity);
-    f_veil = vec4(veil, opacity);
-    f_clear = vec4(clear, opacity);
+    f_light = vec4(bounded(light), opacity);
+    f_veil = vec4(bounded(veil), opacity);
+    f_clear = vec4(bounded(clear), opacity);
     f_cover = vec4(cover, 0.0, 0.0, opacity);
 }
 
@@ -46,6 +57,11 @@ out vec4 f_colour;
 // `light` of a thing is what arrives of it; `veil` is the light that the water adds on the way, and
 // `clear` the share of each colour that the water lets through.
 void show(vec3 light, vec3 veil, vec3 clear, float opacity) {
+#ifdef INTEGERS  // which are bounded, and of one sample
     f_colour = vec4(UNIT * (light + veil), opacity);
+#else
+    f_colour = vec4(bounded(light + veil), opacity);
+#endif
 }
+#endif
 #endif

@@ -2,17 +2,18 @@
 #include "optics.glsl"
 #include "bites.glsl"
 #include "relief.glsl"
+#define BRIGHTEST 16.0
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"
 #endif
 
-in vec3 v_world;
-in vec3 v_normal;
-in vec3 v_light;
-in vec3 v_cover;
-in vec3 v_clear;
-in vec3 v_veil;
+centroid in vec3 v_world;
+centroid in vec3 v_normal;
+centroid in vec3 v_light;
+centroid in vec3 v_cover;
+centroid in vec3 v_clear;
+centroid in vec3 v_veil;
 
 const vec3 DARK = vec3(0.23, 0.17, 0.13);
 const vec3 OCHRE = vec3(0.56, 0.40, 0.22);

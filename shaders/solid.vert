@@ -11,12 +11,12 @@ uniform vec4 u_late;
 #endif
 in vec3 a_cover;  // turf, coralline algae, sponge
 
-out vec3 v_world;
-out vec3 v_normal;
-out vec3 v_light;  // of the sky, of the sun, hollow
-out vec3 v_cover;
-out vec3 v_clear;  // daylight and haze change so slowly that the vertices suffice
-out vec3 v_veil;
+centroid out vec3 v_world;
+centroid out vec3 v_normal;
+centroid out vec3 v_light;  // of the sky, of the sun, hollow
+centroid out vec3 v_cover;
+centroid out vec3 v_clear;  // daylight and haze change so slowly that the vertices suffice
+centroid out vec3 v_veil;
 #ifdef OBJECT_IDS
 in float a_object_id;
 flat out float v_object_id;

@@ -3,6 +3,7 @@
 import os
 
 import msgspec
+import numpy as np
 import pytest
 
 from subsea.dive.start import start_world
@@ -14,6 +15,7 @@ from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Shoal
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, display_rig, views_for
+from subsea.view.rig import pose_from_angles
 from subsea.world.build import create_world
 from subsea.world.step import step
 from tests.support.daily import only
@@ -77,3 +79,16 @@ def test_a_frame_takes_few_drawing_calls(context, request, sea, species):
     renderer.release()
     assert len(kinds) >= species  # many were in sight
     assert 8 < most <= MOST_CALLS
+
+
+def test_slivers_of_triangles_do_not_shine(context, bay):
+    """With several samples a pixel, their numbers lie far outside those of their corners."""
+    renderer = Renderer(context, make_scene(bay), display_rig("mono", SIZE), PRESETS["high"])
+    rng = np.random.default_rng(5)
+    places = bay.state.fishes.position[rng.integers(60, size=12)] + rng.normal(0, 25, (12, 3))
+    for place, heading in zip(places, rng.uniform(0, 2 * np.pi, 12), strict=True):
+        downward = pose_from_angles(place, heading, -0.6)  # no view of the sun
+        renderer.draw(pack(bay, views_for("mono", SIZE, downward), 1.0))
+        assert renderer.light().min() >= 0.0
+        assert renderer.light().max() < 20.0
+    renderer.release()
