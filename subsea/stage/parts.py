@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from subsea.stage.console.options import ConsoleOptions
     from subsea.stage.console.remote_control import RemoteControl
     from subsea.stage.line_up import TheatreLineUp
+    from subsea.stage.overlays import MasterOverlay
     from subsea.stage.show_player import ShowScreens
     from subsea.stage.structured_light import StructuredLight
     from subsea.ui.dive import Dive
@@ -54,6 +55,7 @@ class TheatrePart(DivePart):
         self._light: StructuredLight | None = None
         self._installation: tuple[Installation, TickSourceMaker] | None = None
         self.line_up: TheatreLineUp | None = None  # None: not planned yet
+        self._overlay: MasterOverlay | None = None  # of a node
 
     @staticmethod
     def add_options(parser: ArgumentParser) -> None:
@@ -143,6 +145,7 @@ class TheatrePart(DivePart):
         shown = theatre_windows(self, options.display, leads)
         self._installation = shown.installation, shown.make_ticks
         self.line_up = TheatreLineUp(self, shown, options.display)
+        self._folder = shown.setup.path.parent
         self._master = MasterScenario()
         return options
 
@@ -151,9 +154,13 @@ class TheatrePart(DivePart):
         return self._installation
 
     def begin(self, dive: "Dive") -> None:
-        """Let the keyboard of this computer line the projectors up."""
+        """Let the keyboard of this computer line the projectors up, and a node follow overlays."""
+        from subsea.stage.overlays import MasterOverlay
+
         if self.line_up is not None:
             self.line_up.listen(dive)
+        if not dive.tick_source.has_pilot:
+            self._overlay = MasterOverlay(self._folder, dive.note_fault)
 
     @property
     def light(self) -> "StructuredLight":
@@ -189,9 +196,11 @@ class TheatrePart(DivePart):
             self._light.cue()
 
     def ticked(self, dive: "Dive") -> None:
-        """Show the line-up of this picture."""
+        """Show the line-up and the overlay of this picture."""
         if self.line_up is not None:
             self.line_up.ticked(dive)
+        if self._overlay is not None:
+            dive.picture.overlay = self._overlay.follow(dive.tick_source.presented.overlay)
 
     def shown(self, dive: "Dive") -> None:
         """Open what the master of this node has opened."""

@@ -13,7 +13,7 @@ Given = Mapping[str, st.SearchStrategy[Any]]
 def contents(kind: type[Any], given: Given) -> st.SearchStrategy[dict[str, Any]]:
     """Draw the content of a struct, as of a file of it.
 
-    `given` has strategies for keys whose limits are no part of their types, by `key` or
+    `given` has strategies for keys with limits beyond their types, by `key` or
     `Struct.key`, and for patterns of texts.
     """
     return _values(inspect.type_info(kind), given)

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
@@ -54,9 +55,9 @@ class OverlayRenderer(GpuOwner):
         if self.shown is not None:
             if self._program is None:
                 self._program = self.own(program(context, "cabin", PANEL=2, LINEAR=1))
-            pixels = self.shown.pixels.astype(np.float32)
-            pixels[..., :3] *= pixels[..., 3:] / 255.0  # edges are mixed as they are seen
-            self._texture = self._held.own(upload(context, pixels.round().astype("u1")[::-1]))
+            # Edges are mixed as they are seen: multiplied by their opacity.
+            pixels = np.asarray(Image.fromarray(self.shown.pixels).convert("RGBa"))
+            self._texture = self._held.own(upload(context, pixels[::-1]))
             self._texture.build_mipmaps()
             self._texture.filter = context.LINEAR_MIPMAP_LINEAR, context.LINEAR
             corners = fisheye_mesh(self.shown.tilt, self.shown.angle).astype("f4")
