@@ -196,11 +196,13 @@ class TheatrePart(DivePart):
             self._light.cue()
 
     def ticked(self, dive: "Dive") -> None:
-        """Show the line-up and the overlay of this picture."""
+        """Show the line-up and the overlay of this picture; no pointer over structured light."""
+        presented = dive.tick_source.presented
+        dive.window_set.hide_pointer("structured light", presented.light is not None)
         if self.line_up is not None:
             self.line_up.ticked(dive)
         if self._overlay is not None:
-            dive.picture.overlay = self._overlay.follow(dive.tick_source.presented.overlay)
+            dive.picture.overlay = self._overlay.follow(presented.overlay)
 
     def shown(self, dive: "Dive") -> None:
         """Open what the master of this node has opened."""
@@ -427,7 +429,6 @@ class KioskPart(DivePart):
 
         self._count, self._visits = DiveCount(say), 0
         self._rested_s = self._away_s = 0.0
-        self._hidden = False
         for window in dive.window_set.windows:
             window.stays = True
             glfw.set_window_attrib(window.handle, glfw.AUTO_ICONIFY, False)
@@ -442,12 +443,7 @@ class KioskPart(DivePart):
 
         windows = dive.window_set.windows
         self._rested_s = 0.0 if dive.tours.active else self._rested_s + elapsed_s
-        hidden = self._rested_s > POINTER_S
-        if hidden != self._hidden:
-            self._hidden = hidden
-            mode = glfw.CURSOR_HIDDEN if hidden else glfw.CURSOR_NORMAL
-            for window in windows:
-                glfw.set_input_mode(window.handle, glfw.CURSOR, mode)
+        dive.window_set.hide_pointer("kiosk", self._rested_s > POINTER_S)
         away = not any(window.focused for window in windows)
         self._away_s = self._away_s + elapsed_s if away else 0.0
         if self._away_s > AGAIN_S:
