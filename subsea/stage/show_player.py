@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
-import platformdirs
 
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
 from subsea.base.progress import count_noun, print_line, say
+from subsea.base.system import state_folder
 from subsea.dive.captions import Caption, faded, shown_s
 from subsea.dive.part import DivePart
 from subsea.dive.presented import OverlayFile, Presented, with_show
@@ -49,11 +49,6 @@ class SavedShow(msgspec.Struct, frozen=True, kw_only=True):
     progress: show_file.Progress
     shown: int  # the item that the sea is of
     sea: bytes  # a snapshot
-
-
-def state_folder() -> Path:
-    """The folder of the user's states, which may be missing."""
-    return platformdirs.user_state_path("subsea", appauthor=False)
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -447,7 +442,8 @@ class ShowScreens(DivePart):
         player = self.player
         player.update(elapsed_s, dive.tick_source.gathering)
         due, black = player.due, player.shade >= 1.0
-        if due is not None and (self._fresh or self._black):  # a picture later: all screens are
+        ready = self._fresh or self._black  # a picture later: all screens are
+        if due is not None and ready and not dive.restarts:
             self._begin(dive, due)
         self._black = black
         self._since_save_s += elapsed_s
@@ -488,10 +484,23 @@ class ShowScreens(DivePart):
         self.player.take(show)
         self._store.show = show_file.show_digest(self.path)
 
+    @property
+    def between_items(self) -> bool:
+        """True while the screens are black before the next item, or outside the opening hours."""
+        return self.player.closed or self.player.due is not None
+
     def end(self, dive: "Dive") -> None:
-        """Forget the state: the operator ended the show, and the next one begins by the clock."""
+        """Save the state of a dive that starts again, and else forget it.
+
+        Where the operator ended the show, the next one begins by the clock.
+        """
         self._store.close()
-        self._store.forget()
+        if dive.restarts and self.player.shown is not None:
+            self._store.save(
+                self.player.progress, self.player.shown, lambda: snapshot.take(dive.world)
+            )
+        elif not dive.restarts:
+            self._store.forget()
 
     def close(self) -> None:
         """Wait until the state is saved."""
