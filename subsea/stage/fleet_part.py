@@ -136,20 +136,17 @@ class FleetPart(DivePart):
 
         The restart then waits until the command is done.
         """
-        now = time.monotonic()
-        if not self._address or (now - self._looked_s < LOOK_S and not self._wanted):
+        if not self._address:
             return False
         from subsea.base.restarts import wait_first
         from subsea.stage.fleet.hand_over import is_wanted, wait_until_free
-        from subsea.stage.parts import show_of
 
-        if now - self._looked_s >= LOOK_S:
+        if (now := time.monotonic()) - self._looked_s >= LOOK_S:
             wanted, self._looked_s = is_wanted(self._address), now
             if wanted and not self._wanted:
                 say("`subsea fleet` asks for the computers: the dive ends with this item")
             self._wanted = wanted
-        screens = show_of(dive.parts)
-        if not self._wanted or dive.restarts or (screens and not screens.between_items):
+        if not self._wanted or dive.restarts or not all(part.may_end() for part in dive.parts):
             return False
         wait_first(partial(wait_until_free, self._address, say))
         return True

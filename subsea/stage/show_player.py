@@ -484,8 +484,7 @@ class ShowScreens(DivePart):
         self.player.take(show)
         self._store.show = show_file.show_digest(self.path)
 
-    @property
-    def between_items(self) -> bool:
+    def may_end(self) -> bool:
         """True while the screens are black before the next item, or outside the opening hours."""
         return self.player.closed or self.player.due is not None
 

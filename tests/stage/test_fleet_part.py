@@ -16,7 +16,6 @@ from subsea.stage.console.commands import RestartNode, SwitchProjector, WakeNode
 from subsea.stage.fleet.hand_over import address_wanted
 from subsea.stage.fleet_part import FleetPart
 from subsea.stage.parts import ConsolePart, TheatrePart
-from subsea.stage.show_player import ShowScreens
 from subsea.ui.dive import Dive
 from tests.stage.console.conftest import local
 from tests.stage.fleet.pjlink_server import PASSWORD, ProjectorServer
@@ -131,13 +130,13 @@ def test_a_master_hands_its_address_over_between_two_items(tmp_path, monkeypatch
     node, master = (FleetPart(str(tmp_path / "hall.toml"), name) for name in "ba")
     for part in (node, master):
         part.plan(options)
-    show = ShowScreens.__new__(ShowScreens)
-    show.player = SimpleNamespace(closed=False, due=None)
-    dive = SimpleNamespace(parts=[show], restarts=False)
+    ends = [False]
+    show = SimpleNamespace(may_end=lambda: ends[0])
+    dive = SimpleNamespace(parts=[show, master], restarts=False)
     assert not master._hands_over(dive)
     with address_wanted(address):
         assert not master._hands_over(dive) and not node._hands_over(dive)
-        show.player.due = 1
+        ends[0] = True
         assert master._hands_over(dive) and not node._hands_over(dive)
         with pytest.raises(TransientError, match="`subsea fleet` works at the address"):
             FleetPart(str(tmp_path / "hall.toml"), "a").plan(options)
@@ -145,5 +144,4 @@ def test_a_master_hands_its_address_over_between_two_items(tmp_path, monkeypatch
     assert told == ["subsea: `subsea fleet` asks for the computers: the dive ends with this item"]
     assert len(awaited) == 1
     awaited[0]()  # nobody wants it any more
-    dive.parts.clear()
     assert not master._hands_over(dive)

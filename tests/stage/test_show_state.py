@@ -91,15 +91,15 @@ def test_a_show_is_between_items_when_the_screens_are_black(screens):
     player = screens.player
     for _ in range(20):
         player.update(0.1)
-    assert not screens.between_items
+    assert not screens.may_end()
     player.next_cue()
     player.update(0.1)
-    assert not screens.between_items  # they darken
+    assert not screens.may_end()  # they darken
     for _ in range(5):
         player.update(0.1)
-    assert screens.between_items
+    assert screens.may_end()
     player.show_item(0)
-    assert not screens.between_items
+    assert not screens.may_end()
 
 
 def test_a_folder_that_takes_no_file_is_one_line_and_the_show_goes_on(folder):

@@ -1,4 +1,4 @@
-"""What all pages of the console have in common, for their tests in a browser."""
+"""Checks of what all pages of the console have in common, in a browser."""
 
 import time
 

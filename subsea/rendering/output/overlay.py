@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
@@ -55,6 +54,8 @@ class OverlayRenderer(GpuOwner):
         if self.shown is not None:
             if self._program is None:
                 self._program = self.own(program(context, "cabin", PANEL=2, LINEAR=1))
+            from PIL import Image  # few dives have an overlay
+
             # Edges are mixed as they are seen: multiplied by their opacity.
             pixels = np.asarray(Image.fromarray(self.shown.pixels).convert("RGBa"))
             self._texture = self._held.own(upload(context, pixels[::-1]))

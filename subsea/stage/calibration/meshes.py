@@ -97,7 +97,7 @@ def planned_projector(surface: LitSurface, channel: ProjectorChannel) -> Measure
 
 
 def away_from_plan(measured: MeasuredProjector, channel: ProjectorChannel) -> float:
-    """How far its light lies from where the theatre file has it, in diagonals of its picture."""
+    """Measure how far its light lies from where the theatre file has it, in its diagonals."""
     surface = measured.surface
     planned = surface.points(planned_projector(surface, channel).nodes.reshape(-1, 2))
     found = surface.points(measured.nodes.reshape(-1, 2))
