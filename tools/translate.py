@@ -32,7 +32,8 @@ from subsea.state.codes import MENTAL_STATES
 FOLDER = ROOT / "assets/locale"
 FONT = ROOT / "assets/fonts/NotoSansJP-subset.otf"
 KEYWORDS = {"translated": None, "marked": None}
-ASCII = "".join(map(chr, range(0x20, 0x7F)))
+# Of Europe: basic, Latin-1, punctuation.
+LATIN = "".join(map(chr, (*range(0x20, 0x7F), *range(0xA0, 0x100), *range(0x2010, 0x2060), 0x20AC)))
 KANA = "".join(map(chr, (*range(0x3000, 0x3020), *range(0x3041, 0x3100), *range(0xFF01, 0xFF60))))
 NO_DATE = datetime(2026, 1, 1, tzinfo=UTC)  # so that the files depend on their words only
 HEADER = """\
@@ -136,7 +137,7 @@ def updated(code: str, template: Catalog) -> Catalog:
 
 
 def make_font(source: Path) -> None:
-    """Take the letters of the Japanese catalogue, and all kana, from a font of Noto Sans CJK."""
+    """Take the letters of Japanese and of the other languages from a font of Noto Sans CJK."""
     from fontTools.subset import Options, Subsetter
     from fontTools.ttLib import TTCollection, TTFont
 
@@ -145,9 +146,11 @@ def make_font(source: Path) -> None:
         font = next(one for one in fonts if one["name"].getDebugName(1) == "Noto Sans CJK JP")
     else:
         font = TTFont(str(source))
-    letters = {*(letter for name in LANGUAGES.values() for letter in name), *KANA, *ASCII}
-    with po_file("ja").open("rb") as file:
-        letters |= {letter for one in read_po(file) for letter in str(one.string)}
+    letters = {*KANA, *LATIN, *japanese_letters()}
+    for code in LANGUAGES:
+        if code != "en":
+            with po_file(code).open("rb") as file:
+                letters |= {letter for one in read_po(file) for letter in str(one.string)}
     options = Options(layout_features=[], hinting=False, desubroutinize=False, name_IDs=["*"])
     subset = Subsetter(options)
     subset.populate(text="".join(sorted(letters)))
@@ -156,6 +159,12 @@ def make_font(source: Path) -> None:
     with replacing(FONT) as part:
         font.save(str(part))
     print(f"{FONT.relative_to(ROOT)}: {len(font.getGlyphOrder())} glyphs")
+
+
+def japanese_letters() -> set[str]:
+    """The 6,879 letters of JIS X 0208, which Japanese captions are written with."""
+    codes = (bytes([0xA0 + row, 0xA0 + cell]) for row in range(1, 85) for cell in range(1, 95))
+    return {letter for code in codes for letter in code.decode("euc_jp", errors="ignore")}
 
 
 if __name__ == "__main__":

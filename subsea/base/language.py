@@ -82,7 +82,7 @@ def latin_font(weight: Literal["Regular", "Bold"] = "Regular") -> Path:
 
 
 def japanese_font() -> Path:
-    """The letters of Noto Sans CJK that the Japanese catalogue needs, and all kana."""
+    """Noto Sans CJK with the letters of JIS X 0208, so that captions may have any of them."""
     return resource_path("assets/fonts/NotoSansJP-subset.otf")
 
 

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from subsea.base.command_line import TRANSIENT
@@ -10,6 +10,14 @@ from subsea.base.progress import say
 
 RESTART = 76  # returned by a command that is to start again; no process ends with it
 SERVICE = "NOTIFY_SOCKET"  # a variable that a service manager sets
+
+
+_awaited: list[Callable[[], object]] = []
+
+
+def wait_first(wait: Callable[[], object]) -> None:
+    """Let a restart of this process first call `wait`, which returns when it may begin."""
+    _awaited.append(wait)
 
 
 def restart() -> int:
@@ -20,6 +28,8 @@ def restart() -> int:
     """
     if SERVICE in os.environ:
         return TRANSIENT
+    for wait in _awaited:
+        wait()
     command = restart_command(sys.argv, sys.orig_argv, sys.executable)
     try:
         os.execv(command[0], command)

@@ -116,6 +116,13 @@ def own_path(relative: str) -> Path:
     return platformdirs.user_data_path("subsea", appauthor=False) / relative
 
 
+def state_folder() -> Path:
+    """The folder of the user's states, such as that of a show, which may be missing."""
+    import platformdirs
+
+    return platformdirs.user_state_path("subsea", appauthor=False)
+
+
 def resource_names(folder: str, suffix: str) -> list[str]:
     """Sorted stems of the files in `folder` that end in `suffix`."""
     return stems(resource_path(folder), suffix)

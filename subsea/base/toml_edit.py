@@ -84,7 +84,10 @@ def toml_value(value: Any) -> str:
             return "[\n" + "".join(f"    {part},\n" for part in parts) + "]"
         return line
     if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {toml_value(one)}' for key, one in value.items())} }}"
+        keys = [tomlkit.key(key).as_string() for key in value]  # quoted where they must be
+        values = [toml_value(one) for one in value.values()]
+        pairs = [f"{key} = {text}" for key, text in zip(keys, values, strict=True)]
+        return f"{{ {', '.join(pairs)} }}"
     text: str = tomlkit.item(value).as_string()
     return text
 

@@ -90,6 +90,10 @@ class DivePart:
     def shown(self, dive: Any) -> None:
         """Act after a picture was shown."""
 
+    def may_end(self) -> bool:
+        """True at a moment when the dive may end without cutting off what the audience sees."""
+        return True
+
     def end(self, dive: Any) -> None:
         """End in order: the window was closed, or the time of the dive is over."""
 

@@ -13,6 +13,15 @@ Opacity = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Number = Annotated[int, msgspec.Meta(ge=0, le=1000)]
 
 
+class OverlayFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A fisheye picture over the sea, as each computer finds it."""
+
+    file: Annotated[str, msgspec.Meta(max_length=1000)]
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)]
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, le=360)]
+    digest: Annotated[str, msgspec.Meta(max_length=64)] = ""  # of the file; empty: any
+
+
 class Presented(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The overlays of one picture."""
 
@@ -22,6 +31,7 @@ class Presented(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     opacity: Opacity = 0.0  # of the caption
     # Number of a channel and of its picture of structured light, instead of the sea.
     light: tuple[Number, Number] | None = None
+    overlay: OverlayFile | None = None  # over the sea
 
 
 NOTHING = Presented()

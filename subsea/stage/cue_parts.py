@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from subsea.base.errors import UserError
-from subsea.base.progress import say
+from subsea.base.progress import count_noun, say
 from subsea.dive.part import DivePart
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ class LightsPart(DivePart):
         places = ", ".join(
             f"universe {one} to {place_of(self._lights, one)[0]}" for one in universes
         )
-        say(f"{len(self._lamps)} lamps by {self._lights.protocol}: {places}")
+        lamps = count_noun(len(self._lamps), "lamp", "lamps")
+        say(f"{lamps} by {self._lights.protocol}: {places}")
 
     def shown(self, dive: "Dive") -> None:
         """Set the lamps, as often as they are sent."""

@@ -3,9 +3,11 @@
 import time
 from argparse import Namespace
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from subsea.base.errors import UserError
+from subsea.base.errors import TransientError, UserError
+from subsea.base.progress import say
 from subsea.dive.part import DivePart
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from subsea.ui.dive import Dive
 
 REPORT_S = 2.0  # between two reports of a node
+LOOK_S = 1.0  # between two looks for a command that wants the address of the master
 PICTURE_WIDTH = 320  # pixels
 
 
@@ -34,6 +37,9 @@ class FleetPart(DivePart):
         self._watch: Any = None
         self._small: SmallPicture | None = None
         self._reported_s = self._begun_s = 0.0
+        self._address = ""  # of a master with keys
+        self._looked_s = 0.0  # for a command that wants it
+        self._wanted = False
 
     @classmethod
     def made(cls, options: Namespace, dive: "DiveOptions") -> "FleetPart | None":
@@ -50,8 +56,18 @@ class FleetPart(DivePart):
             self._passwords = read_passwords(theatre.projector, path)
 
     def plan(self, options: "DiveOptions") -> "DiveOptions":
-        """Read the passwords of the projectors."""
+        """Read the passwords of the projectors; a TransientError during an update."""
+        from subsea.stage.fleet.hand_over import is_wanted
+        from subsea.stage.theatre.load import load_theatre
+
         self.check(options)
+        cluster = load_theatre(self._name)[0].cluster
+        if cluster is not None and cluster.keys is not None and self._node == cluster.master:
+            self._address = cluster.address
+            if is_wanted(cluster.address):
+                raise TransientError(
+                    "`subsea fleet` works at the address of this master; start the dive after it"
+                )
         return options
 
     def _leads(self, theatre: "Theatre") -> bool:
@@ -112,8 +128,28 @@ class FleetPart(DivePart):
             desk.note_facts(desk.own, facts)
         for line in desk.projectors.check():
             dive.faults.say(line)  # not over the picture
-        if desk.restarts and not dive.restarts:
+        if (desk.restarts or self._hands_over(dive)) and not dive.restarts:
             dive.restart()
+
+    def _hands_over(self, dive: "Dive") -> bool:
+        """True if `subsea fleet` wants the address of this master, and the item of a show is over.
+
+        The restart then waits until the command is done.
+        """
+        if not self._address:
+            return False
+        from subsea.base.restarts import wait_first
+        from subsea.stage.fleet.hand_over import is_wanted, wait_until_free
+
+        if (now := time.monotonic()) - self._looked_s >= LOOK_S:
+            wanted, self._looked_s = is_wanted(self._address), now
+            if wanted and not self._wanted:
+                say("`subsea fleet` asks for the computers: the dive ends with this item")
+            self._wanted = wanted
+        if not self._wanted or dive.restarts or not all(part.may_end() for part in dive.parts):
+            return False
+        wait_first(partial(wait_until_free, self._address, say))
+        return True
 
     def _follow(self, dive: "Dive", station: "FleetStation") -> None:
         """Report to the master, and follow its orders."""

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from subsea.stage.console.options import ConsoleOptions
     from subsea.stage.console.remote_control import RemoteControl
     from subsea.stage.line_up import TheatreLineUp
+    from subsea.stage.overlays import MasterOverlay
     from subsea.stage.show_player import ShowScreens
     from subsea.stage.structured_light import StructuredLight
     from subsea.ui.dive import Dive
@@ -54,6 +55,7 @@ class TheatrePart(DivePart):
         self._light: StructuredLight | None = None
         self._installation: tuple[Installation, TickSourceMaker] | None = None
         self.line_up: TheatreLineUp | None = None  # None: not planned yet
+        self._overlay: MasterOverlay | None = None  # of a node
 
     @staticmethod
     def add_options(parser: ArgumentParser) -> None:
@@ -143,6 +145,7 @@ class TheatrePart(DivePart):
         shown = theatre_windows(self, options.display, leads)
         self._installation = shown.installation, shown.make_ticks
         self.line_up = TheatreLineUp(self, shown, options.display)
+        self._folder = shown.setup.path.parent
         self._master = MasterScenario()
         return options
 
@@ -151,9 +154,13 @@ class TheatrePart(DivePart):
         return self._installation
 
     def begin(self, dive: "Dive") -> None:
-        """Let the keyboard of this computer line the projectors up."""
+        """Let the keyboard of this computer line the projectors up, and a node follow overlays."""
+        from subsea.stage.overlays import MasterOverlay
+
         if self.line_up is not None:
             self.line_up.listen(dive)
+        if not dive.tick_source.has_pilot:
+            self._overlay = MasterOverlay(self._folder, dive.note_fault)
 
     @property
     def light(self) -> "StructuredLight":
@@ -189,9 +196,13 @@ class TheatrePart(DivePart):
             self._light.cue()
 
     def ticked(self, dive: "Dive") -> None:
-        """Show the line-up of this picture."""
+        """Show the line-up and the overlay of this picture; no pointer over structured light."""
+        presented = dive.tick_source.presented
+        dive.window_set.hide_pointer("structured light", presented.light is not None)
         if self.line_up is not None:
             self.line_up.ticked(dive)
+        if self._overlay is not None:
+            dive.picture.overlay = self._overlay.follow(presented.overlay)
 
     def shown(self, dive: "Dive") -> None:
         """Open what the master of this node has opened."""
@@ -418,7 +429,6 @@ class KioskPart(DivePart):
 
         self._count, self._visits = DiveCount(say), 0
         self._rested_s = self._away_s = 0.0
-        self._hidden = False
         for window in dive.window_set.windows:
             window.stays = True
             glfw.set_window_attrib(window.handle, glfw.AUTO_ICONIFY, False)
@@ -433,12 +443,7 @@ class KioskPart(DivePart):
 
         windows = dive.window_set.windows
         self._rested_s = 0.0 if dive.tours.active else self._rested_s + elapsed_s
-        hidden = self._rested_s > POINTER_S
-        if hidden != self._hidden:
-            self._hidden = hidden
-            mode = glfw.CURSOR_HIDDEN if hidden else glfw.CURSOR_NORMAL
-            for window in windows:
-                glfw.set_input_mode(window.handle, glfw.CURSOR, mode)
+        dive.window_set.hide_pointer("kiosk", self._rested_s > POINTER_S)
         away = not any(window.focused for window in windows)
         self._away_s = self._away_s + elapsed_s if away else 0.0
         if self._away_s > AGAIN_S:

@@ -6,23 +6,20 @@ once a day.
 """
 
 import hashlib
-import math
 from collections.abc import Iterable, Iterator
 from datetime import date, datetime, time, timedelta
-from io import BytesIO
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import msgspec
-import numpy as np
 
 from subsea.base.errors import UserError, unknown
-from subsea.base.files import MIB, file_hash, read_input
+from subsea.base.files import file_hash
 from subsea.base.language import LANGUAGES, language, translated
-from subsea.base.pictures import naming_faults
 from subsea.base.system import is_path, resource_names, resource_path, unknown_name
 from subsea.base.toml_files import error_at, load_toml
 from subsea.dive.directed_camera import check_tour
+from subsea.dive.presented import OverlayFile
 from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
 from subsea.frame.diagrams import chosen_diagrams
 from subsea.scenario.load import load_scenario
@@ -40,13 +37,11 @@ from subsea.stage.opening_hours import (
     minutes_of,
 )
 from subsea.stage.theatre.theatre_file import File
-from subsea.view.fisheye import Fisheye
 from subsea.view.surround import ALL_ROUND
 
 SHIPPED = "assets/shows"  # folder of shipped shows
 AFTER, CUE = "after", "cue"
 MOST_ITEMS, MOST_SPECIAL_DAYS = 200, 400
-MOST_OVERLAY, MOST_OVERLAY_BYTES = 8192, 256 * MIB  # pixels of a side; bytes of a file
 
 Seconds = Annotated[float, msgspec.Meta(ge=1, le=86400)]
 Fade = Annotated[float, msgspec.Meta(ge=0, le=30)]
@@ -61,6 +56,11 @@ class FisheyeOverlay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     file: File  # PNG with opacity, relative to the show
     tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = ALL_ROUND.tilt_deg  # to the front
     angle_deg: Annotated[float, msgspec.Meta(ge=30, le=360)] = ALL_ROUND.dome_deg
+
+    @property
+    def picture(self) -> OverlayFile:
+        """Its file and how it lies over the sea."""
+        return OverlayFile(self.file, self.tilt_deg, self.angle_deg)
 
 
 class ShowItem(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -135,7 +135,7 @@ class ShowItem(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     @property
     def own_view(self) -> str | None:
         """The first key that changes how one computer draws the sea; None without one."""
-        keys = ("overlay", "show", "wireframe", "follow", "eyes")
+        keys = ("show", "wireframe", "follow", "eyes")
         changed = (key for key in keys if getattr(self, key))
         return next(changed, None if self.bodies else "bodies")
 
@@ -291,31 +291,6 @@ def faults(show: Show, path: Path) -> Iterator[tuple[int, UserError]]:
             else:
                 key += ".scenario"
             yield number, error_at(path, key, f"item {number + 1}: {fault}")
-
-
-def overlay_faults(show: Show, path: Path) -> Iterator[UserError]:
-    """Overlays that cannot be shown; their items are shown without them."""
-    for number, item in enumerate(show.item):
-        if item.overlay is not None:
-            try:
-                read_overlay(path, item.overlay)
-            except UserError as fault:
-                yield error_at(path, f"item[{number}].overlay", f"item {number + 1}: {fault}")
-
-
-def read_overlay(path: Path, overlay: FisheyeOverlay) -> Fisheye:
-    """Read the picture of an overlay of the show in `path`; a UserError if that cannot be shown."""
-    from PIL import Image
-
-    file = path.parent / overlay.file
-    data = read_input(file, MOST_OVERLAY_BYTES)
-    opened = naming_faults("PNG picture", file)
-    with opened, Image.open(BytesIO(data), formats=("PNG",)) as image:
-        if image.width != image.height or not 16 <= image.width <= MOST_OVERLAY:
-            size = f"{image.width}×{image.height} pixels"
-            raise UserError(f"{size}, expected a square of 16 to {MOST_OVERLAY}", file=file)
-        pixels = np.asarray(image.convert("RGBA"))
-    return Fisheye(pixels, math.radians(overlay.tilt_deg), math.radians(overlay.angle_deg))
 
 
 JUMP_S = 5.0  # difference between clock and passed time that counts as a jump

@@ -14,18 +14,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
-import platformdirs
 
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
 from subsea.base.progress import count_noun, print_line, say
+from subsea.base.system import state_folder
 from subsea.dive.captions import Caption, faded, shown_s
 from subsea.dive.part import DivePart
-from subsea.dive.presented import Presented, with_show
+from subsea.dive.presented import OverlayFile, Presented, with_show
 from subsea.frame.diagrams import chosen_diagrams
 from subsea.scenario.schema import AUTOPILOT, Scenario
 from subsea.scenario.shoals import find_fish
 from subsea.stage import opening_hours, show_file
+from subsea.stage.overlays import WITHOUT, overlay_faults, read_overlay
 from subsea.view.fisheye import Fisheye
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
@@ -48,11 +49,6 @@ class SavedShow(msgspec.Struct, frozen=True, kw_only=True):
     progress: show_file.Progress
     shown: int  # the item that the sea is of
     sea: bytes  # a snapshot
-
-
-def state_folder() -> Path:
-    """The folder of the user's states, which may be missing."""
-    return platformdirs.user_state_path("subsea", appauthor=False)
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -181,7 +177,7 @@ def describe_show(path: Path) -> int:
         print_line("      then from the beginning")
     print_line(f"dives of visitors today: {DiveCount(say).of(today)}")
     missing = [fault for _, fault in show_file.faults(show, path)]
-    missing += show_file.overlay_faults(show, path)
+    missing += overlay_faults(show, path)
     for fault in missing:
         say(str(fault))
     return 1 if missing else 0
@@ -407,8 +403,8 @@ class ShowScreens(DivePart):
         bad = dict(show_file.faults(self.show, path))
         for fault in bad.values():
             tell(f"{fault}; the sea before it goes on")
-        for fault in show_file.overlay_faults(self.show, path):
-            tell(f"{fault}; the sea is shown without it")
+        for fault in overlay_faults(self.show, path):
+            tell(f"{fault}; {WITHOUT}")
         if len(bad) == len(self.show.item):
             raise UserError("no item can be shown", file=path)
         self._store = ShowStore(show_file.show_digest(path), tell)
@@ -425,6 +421,7 @@ class ShowScreens(DivePart):
         self._muted: bool | None = None  # the sound before the screens went blank
         self._fresh, self._since_s, self._since_save_s = True, 0.0, 0.0
         self._black = False  # in the last picture
+        self._overlay: OverlayFile | None = None  # over the sea of the item
         self._given: tuple[frozenset[str], bool] | None = None  # diagrams and wireframe
 
     def restore(self, world: World) -> None:
@@ -445,7 +442,8 @@ class ShowScreens(DivePart):
         player = self.player
         player.update(elapsed_s, dive.tick_source.gathering)
         due, black = player.due, player.shade >= 1.0
-        if due is not None and (self._fresh or self._black):  # a picture later: all screens are
+        ready = self._fresh or self._black  # a picture later: all screens are
+        if due is not None and ready and not dive.restarts:
             self._begin(dive, due)
         self._black = black
         self._since_save_s += elapsed_s
@@ -464,8 +462,9 @@ class ShowScreens(DivePart):
         return closed
 
     def over(self, presented: Presented) -> Presented:
-        """Lay the black and the caption of the show under those of a presenter."""
-        return with_show(presented, self.player.shade, self.player.caption())
+        """Lay the black, the caption and the overlay of the show under those of a presenter."""
+        shown = with_show(presented, self.player.shade, self.player.caption())
+        return msgspec.structs.replace(shown, overlay=self._overlay)
 
     def cue(self) -> None:
         """Go on to the next item."""
@@ -485,10 +484,22 @@ class ShowScreens(DivePart):
         self.player.take(show)
         self._store.show = show_file.show_digest(self.path)
 
+    def may_end(self) -> bool:
+        """True while the screens are black before the next item, or outside the opening hours."""
+        return self.player.closed or self.player.due is not None
+
     def end(self, dive: "Dive") -> None:
-        """Forget the state: the operator ended the show, and the next one begins by the clock."""
+        """Save the state of a dive that starts again, and else forget it.
+
+        Where the operator ended the show, the next one begins by the clock.
+        """
         self._store.close()
-        self._store.forget()
+        if dive.restarts and self.player.shown is not None:
+            self._store.save(
+                self.player.progress, self.player.shown, lambda: snapshot.take(dive.world)
+            )
+        elif not dive.restarts:
+            self._store.forget()
 
     def close(self) -> None:
         """Wait until the state is saved."""
@@ -512,15 +523,17 @@ class ShowScreens(DivePart):
         dive.tours.start_item(tour, since_s, start)
         self._draw_as(dive, item, start is not None)
 
-    def _overlay(self, item: show_file.ShowItem) -> Fisheye | None:
+    def _read_overlay(self, item: show_file.ShowItem) -> Fisheye | None:
         """Read the picture over the sea of an item; one that is gone is a line."""
+        self._overlay = None
         if item.overlay is None:
             return None
         try:
-            return show_file.read_overlay(self.path, item.overlay)
+            shown, self._overlay = read_overlay(self.path.parent, item.overlay.picture)
         except UserError as fault:
-            self._tell(f"{fault}; the sea is shown without it")
+            self._tell(f"{fault}; {WITHOUT}")
             return None
+        return shown
 
     def _draw_as(self, dive: "Dive", item: show_file.ShowItem, opened: bool) -> None:
         """Show what an item says of its fishes, and look at or through one of them.
@@ -534,7 +547,7 @@ class ShowScreens(DivePart):
         dive.picture.diagrams = {*diagrams, *chosen_diagrams(",".join(item.show))}
         dive.picture.wireframe = wireframe or item.wireframe
         dive.picture.bodies = item.bodies
-        dive.picture.overlay = self._overlay(item)
+        dive.picture.overlay = self._read_overlay(item)
         name, fish = item.eyes or item.follow, None
         if opened and name is not None:
             fish = find_fish(name, dive.world.scenario)

@@ -60,9 +60,10 @@ class StructuredLight:
         if self._every_s is None:
             return
         self._left_s -= elapsed_s
-        if self._left_s <= 0.0:
-            self._left_s = self._every_s
+        while self._left_s <= 0.0:  # in step with the timer of a camera, after a long picture too
+            self._left_s += self._every_s
             self.show(-1)
             if self.number == 0:
                 self._every_s = None
                 self._tell("structured light: all pictures were shown")
+                return

@@ -353,12 +353,13 @@ class Dive:
         self.world.notices.clear()
         self.sound.check()
         black = [part.before(self, elapsed_s) for part in self.parts]
-        self.black = any(black)
+        self._set_overlays()
+        measures = self.tick_source.presented.light is not None  # outside the hours, too
+        self.black = any(black) and not measures
         if self.black:
             self.pilot.was_active()  # nobody sees where they steer
             self._present_black()
             return
-        self._set_overlays()
         self.tours.update(elapsed_s)
         self.introduction.update(elapsed_s)
         if self.menu.open:
@@ -401,7 +402,7 @@ class Dive:
         self.text.draw(elapsed_s)
         if self.records_text:
             self._record(elapsed_s)
-        if (blank := self.tick_source.presented.blank) > 0.0:
+        if (blank := self.tick_source.presented.blank) > 0.0 and presented.light is None:
             picture.blacken(blank)
         for part in self.parts:
             part.after(self)

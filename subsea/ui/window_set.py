@@ -81,6 +81,7 @@ class WindowSet:
             glfw.focus_window(self.front.handle)
         self.front.make_current()
         self._notes: list[str] = []
+        self._hiding: set[str] = set()  # reasons to hide the pointer
         add_mappings(self._notes.append)
         self.gamepads = Gamepads(pilot, self._commands)
 
@@ -139,6 +140,15 @@ class WindowSet:
         for _, shown in [*self._others, (self._number, self._front)]:
             shown.window.make_current()
             shown.presenter.darken(shade, shown.window.size)
+
+    def hide_pointer(self, reason: str, hidden: bool) -> None:
+        """Hide the pointer over all windows as long as any reason holds."""
+        before = bool(self._hiding)
+        (self._hiding.add if hidden else self._hiding.discard)(reason)
+        if bool(self._hiding) != before:
+            mode = glfw.CURSOR_HIDDEN if self._hiding else glfw.CURSOR_NORMAL
+            for window in self.windows:
+                glfw.set_input_mode(window.handle, glfw.CURSOR, mode)
 
     def wait_for_display(self, on: bool) -> None:
         """Set whether presenting waits for the display; not if a headset sets the pace."""

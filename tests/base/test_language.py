@@ -7,6 +7,7 @@ from functools import cache
 import pytest
 from babel.messages.mofile import read_mo
 from babel.messages.pofile import read_po
+from fontTools.ttLib import TTFont
 from PIL import ImageFont
 
 from subsea.base.language import (
@@ -113,6 +114,14 @@ def test_fonts_have_every_letter():
             missing = bytes(font.getmask("\U000f0000"))  # of no font
             for letter in set(words) - {" ", "\N{NO-BREAK SPACE}", "\N{IDEOGRAPHIC SPACE}"}:
                 assert bytes(font.getmask(letter)) != missing, (code, letter)
+
+
+def test_captions_may_have_any_japanese_letter():
+    letters = translate.japanese_letters()
+    assert len(letters) == 6879 and {"鯨", "鰯", "ヴ", "々"} <= letters
+    with TTFont(japanese_font()) as font:
+        missing = (letters | {*"àß…’Àñ—–“”€"}) - {*map(chr, font.getBestCmap())}
+    assert missing == {"≒"}  # which Noto Sans CJK has not
 
 
 def test_no_word_in_the_code_is_missed():

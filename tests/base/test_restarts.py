@@ -47,6 +47,16 @@ def test_a_service_ends_so_that_its_manager_starts_it_again(monkeypatch):
     assert restart() == TRANSIENT
 
 
+def test_a_restart_waits_for_what_it_must(monkeypatch):
+    done = []
+    monkeypatch.delenv(restarts.SERVICE, raising=False)
+    monkeypatch.setattr(restarts, "_awaited", [])
+    monkeypatch.setattr(os, "execv", lambda *command: done.append("exec"))
+    restarts.wait_first(lambda: done.append("waited"))
+    restart()
+    assert done == ["waited", "exec"]
+
+
 def test_a_program_that_has_gone_is_a_line(monkeypatch, capsys):
     monkeypatch.delenv(restarts.SERVICE, raising=False)
     monkeypatch.setattr(sys, "argv", ["gone"])

@@ -64,3 +64,9 @@ def test_long_lists_of_tables_have_a_line_for_each():
     assert text.count("\n") == 4
     assert tomllib.loads(f"x = {text}")["x"][2] == {"time_s": 2.0, "position_cm": [1.0, 2.0, 3.0]}
     assert toml_value(rows[:1]) == "[{ time_s = 0.0, position_cm = [1.0, 2.0, 3.0] }]"
+
+
+def test_keys_are_quoted_where_they_must_be():
+    for key in ("Region 1", "", 'a"b', "a.b", "ö"):
+        table = {key: {"a-b": 1}}
+        assert tomllib.loads(f"x = {toml_value(table)}") == {"x": table}

@@ -2,14 +2,18 @@
 
 import socket
 from contextlib import closing
+from types import SimpleNamespace
 
 import msgspec
 import pytest
 
 from subsea import __version__
-from subsea.base.errors import UserError
+from subsea.base import restarts
+from subsea.base.errors import TransientError, UserError
 from subsea.dive.options import DiveOptions
+from subsea.stage import fleet_part
 from subsea.stage.console.commands import RestartNode, SwitchProjector, WakeNode
+from subsea.stage.fleet.hand_over import address_wanted
 from subsea.stage.fleet_part import FleetPart
 from subsea.stage.parts import ConsolePart, TheatrePart
 from subsea.ui.dive import Dive
@@ -95,3 +99,49 @@ def test_a_password_that_others_read_ends_the_start_with_a_line(theatre):
     options = DiveOptions("peaceful")
     with pytest.raises(UserError, match=r"secret: others may read it \(mode 644\)"):
         FleetPart(str(theatre)).plan(options)
+
+
+CLUSTER = """
+[[window]]
+name = "a"
+node = "a"
+size = [64, 48]
+[[window]]
+name = "b"
+node = "b"
+size = [64, 48]
+[[channel]]
+name = "a"
+window = "a"
+dome = {}
+[cluster]
+master = "a"
+keys = "keys"
+"""
+
+
+def test_a_master_hands_its_address_over_between_two_items(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setattr(fleet_part, "LOOK_S", 0.0)
+    awaited = []
+    monkeypatch.setattr(restarts, "_awaited", awaited)
+    (tmp_path / "hall.toml").write_text(CLUSTER)
+    options, address = DiveOptions("peaceful"), "127.0.0.1:5560"
+    node, master = (FleetPart(str(tmp_path / "hall.toml"), name) for name in "ba")
+    for part in (node, master):
+        part.plan(options)
+    ends = [False]
+    show = SimpleNamespace(may_end=lambda: ends[0])
+    dive = SimpleNamespace(parts=[show, master], restarts=False)
+    assert not master._hands_over(dive)
+    with address_wanted(address):
+        assert not master._hands_over(dive) and not node._hands_over(dive)
+        ends[0] = True
+        assert master._hands_over(dive) and not node._hands_over(dive)
+        with pytest.raises(TransientError, match="`subsea fleet` works at the address"):
+            FleetPart(str(tmp_path / "hall.toml"), "a").plan(options)
+    told = capsys.readouterr().err.splitlines()
+    assert told == ["subsea: `subsea fleet` asks for the computers: the dive ends with this item"]
+    assert len(awaited) == 1
+    awaited[0]()  # nobody wants it any more
+    assert not master._hands_over(dive)

@@ -10,6 +10,7 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.dive.options import DisplayOptions
+from subsea.dive.part import DivePart
 from subsea.stage.cluster.ticks import FollowerTicks
 from subsea.stage.console import commands
 from subsea.stage.line_up import TheatreLineUp, _line_up_command, key_command
@@ -19,7 +20,8 @@ from subsea.stage.theatre.line_up import LineUpState
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.theatre_file import Adjustment, Corners
 from subsea.ui.dive import Dive
-from tests.support.windows import dive_options
+from subsea.view.structured_light import light_patterns, light_picture
+from tests.support.windows import display_pixels, dive_options
 
 SIZE = (200, 150)
 THEATRE = """
@@ -109,6 +111,43 @@ def test_a_moved_corner_moves_that_picture_and_undo_returns_the_same_bytes(hall,
     tool.apply(commands.RedoLineUp())
     for one, other in zip(wall(hall, user), after, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+class Blank(DivePart):
+    """A show that is closed, and black over the sea."""
+
+    def before(self, dive, elapsed_s):
+        return True
+
+    def over(self, presented):
+        return msgspec.structs.replace(presented, blank=1.0)
+
+
+def test_structured_light_lies_over_a_closed_show_and_hides_the_pointer(hall, user, monkeypatch):
+    light = hall.parts[0].light
+    monkeypatch.setattr(hall, "parts", [*hall.parts, Blank()])
+    user.glide(hall, 0.2)
+    assert hall.black
+
+    def pointers():
+        return {glfw.get_input_mode(one.handle, glfw.CURSOR) for one in hall.window_set.windows}
+
+    assert pointers() == {glfw.CURSOR_NORMAL}
+    patterns = light_patterns(SIZE)
+    steps = (patterns.index(one) + 1 for one in patterns if one.name in ("grey-96", "columns-2"))
+    for step in steps:
+        light.show(step)
+        user.glide(hall, 0.2)
+        assert not hall.black and pointers() == {glfw.CURSOR_HIDDEN}
+        shown = display_pixels()[: SIZE[1], : 2 * SIZE[0]]
+        np.testing.assert_array_equal(shown[:, : SIZE[0]], light_picture(patterns[step - 1], SIZE))
+        assert not shown[:, SIZE[0] :].any()
+    light.show(0)
+    user.glide(hall, 0.2)
+    assert hall.black
+    monkeypatch.undo()
+    user.glide(hall, 0.2)
+    assert pointers() == {glfw.CURSOR_NORMAL} and not hall.black
 
 
 def test_all_points_move_the_picture_by_that_many_pixels(hall, user, tool):

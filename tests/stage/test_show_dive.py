@@ -6,6 +6,7 @@ from datetime import date
 
 import pytest
 
+from subsea.base.system import state_folder
 from subsea.cli.main import main
 from subsea.dive.settings import AttractSettings, Settings
 from subsea.geometry.rotation import x_axis
@@ -13,7 +14,7 @@ from subsea.stage import show_player
 from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
 from subsea.stage.parts import ConsolePart, KioskPart, ShowPart, show_of
 from subsea.stage.show_file import shipped_shows
-from subsea.stage.show_player import DiveCount, state_folder
+from subsea.stage.show_player import DiveCount
 from subsea.ui.dive import Dive
 from tests.stage.console.conftest import local
 from tests.support.scenes import BARE

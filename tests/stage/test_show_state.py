@@ -3,11 +3,14 @@
 import os
 from datetime import date, datetime, timedelta
 from subprocess import run
+from types import SimpleNamespace
 
 import pytest
 
+from subsea.base.system import state_folder
 from subsea.stage.show_file import Progress, ShowClock
-from subsea.stage.show_player import DiveCount, ShowStore, describe_show, state_folder
+from subsea.stage.show_player import DiveCount, ShowScreens, ShowStore, describe_show
+from subsea.world import snapshot
 
 DAY = date(2026, 11, 26)
 PROGRESS = Progress(item=3, elapsed_s=12.5, seen=datetime(2026, 11, 26, 10, 30), utc_s=1.7e9)
@@ -49,6 +52,54 @@ def test_half_a_state_is_one_line(folder, cut):
     (folder / "show.state").write_bytes(data[: int(cut * len(data))])
     assert store.load() is None
     assert told == [f"{folder / 'show.state'}: not the state of a show; the show begins again"]
+
+
+SHOW = """
+fade_s = 0.5
+[[item]]
+scenario = "peaceful"
+for_s = 60
+[[item]]
+for_s = 60
+"""
+
+
+@pytest.fixture
+def screens(tmp_path):
+    """A show that is in the middle of its second item."""
+    (tmp_path / "show.toml").write_text(SHOW)
+    made = ShowScreens(tmp_path / "show.toml", print)
+    made.player.go_to(1, 20.0)
+    made.player.update(0.1)
+    made.player.show_item(1)
+    return made
+
+
+def test_a_dive_that_starts_again_goes_on_with_its_show(screens, tmp_path, monkeypatch):
+    monkeypatch.setattr(snapshot, "take", lambda world: b"sea")
+    screens.end(SimpleNamespace(restarts=True, world=None))
+    screens.close()
+    again = ShowScreens(tmp_path / "show.toml", print)
+    assert again.player.progress.item == 1 and 20.0 <= again.player.progress.elapsed_s < 30.0
+    assert again._saved.sea == b"sea"
+    again.end(SimpleNamespace(restarts=False, world=None))  # by the operator
+    again.close()
+    assert ShowScreens(tmp_path / "show.toml", print).player.progress.item == 0
+
+
+def test_a_show_is_between_items_when_the_screens_are_black(screens):
+    player = screens.player
+    for _ in range(20):
+        player.update(0.1)
+    assert not screens.may_end()
+    player.next_cue()
+    player.update(0.1)
+    assert not screens.may_end()  # they darken
+    for _ in range(5):
+        player.update(0.1)
+    assert screens.may_end()
+    player.show_item(0)
+    assert not screens.may_end()
 
 
 def test_a_folder_that_takes_no_file_is_one_line_and_the_show_goes_on(folder):

@@ -45,6 +45,23 @@ def test_the_clock_shows_each_picture_equally_long_and_once():
     assert seen[None] > DARK_S and len(told) == 1
 
 
+def test_the_clock_keeps_the_pace_of_a_camera():
+    light, shown = StructuredLight(STEPS, 1.0, lambda words: None), []
+    frame_s = [0.03, 0.05, 0.21]  # pictures are never as long as a step, and some take longer
+    time_s = 0.0
+    for k in range(2000):
+        light.update(frame_s[k % 3])
+        time_s += frame_s[k % 3]
+        if light.number and light.number != (shown[-1][1] if shown else 0):
+            shown.append((time_s, light.number))
+    assert [number for _, number in shown] == list(range(1, len(STEPS) + 1))
+    late = [at - (DARK_S + number - 1) for at, number in shown]
+    assert min(late) > -1e-9 and max(late) < 0.211
+    stalled = StructuredLight(STEPS, 1.0, lambda words: None)
+    stalled.update(DARK_S + 2.5)
+    assert stalled.number == 3
+
+
 def test_the_option_begins_with_the_first_picture():
     part = made("--theatre", "three-projectors", "--structured-light")
     assert part.light.number == 0 and part.over(NOTHING) == NOTHING

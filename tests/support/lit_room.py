@@ -83,8 +83,12 @@ class LitRoom:
     def __post_init__(self):
         self.rng = np.random.default_rng(self.seed)
 
-    def photograph(self, camera: PhotoCamera, folder: Path, skip=(), steps=None):
-        """Write the photographs of a camera in PNG; returns their paths."""
+    def photograph(self, camera: PhotoCamera, folder: Path, skip=(), steps=None, shows=None):
+        """Write the photographs of a camera in PNG; returns their paths.
+
+        `shows` gives the pictures (h, w, 3) of all projectors in the step of a number; None: the
+        pattern of one of them, and the others are black.
+        """
         folder.mkdir(parents=True, exist_ok=True)
         width, height = camera.size
         fine = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)]  # samples of a pixel
@@ -107,12 +111,16 @@ class LitRoom:
         for number, step in enumerate(steps or light_steps(self.channels)):
             if number in skip:
                 continue
-            light, lamp = dark.copy(), self.lamps[step.channel]
-            bright = (1 - lamp.black) * np.array(lamp.gain)
-            picture = light_picture(step.pattern, lamp.size)
-            for lit, shown, falloff in seen[step.channel]:
-                codes = picture[shown[:, 1], shown[:, 0]].astype(np.float32) / 255
-                light[lit] += falloff * (codes**lamp.gamma * bright.astype(np.float32))
+            light = dark.copy()
+            shining = {step.channel: light_picture(step.pattern, self.lamps[step.channel].size)}
+            if shows is not None:
+                shining = dict(enumerate(shows(number)))
+            for channel, picture in shining.items():
+                lamp = self.lamps[channel]
+                bright = (1 - lamp.black) * np.array(lamp.gain)
+                for lit, shown, falloff in seen[channel]:
+                    codes = picture[shown[:, 1], shown[:, 0]].astype(np.float32) / 255
+                    light[lit] += falloff * (codes**lamp.gamma * bright.astype(np.float32))
             light = self.albedo * (light + self.bounce * light.mean(axis=0)) + self.ambient
             begin = self.rng.integers(10_000)
             noisy = encoded(0.85 * light) + grain[begin : begin + light.size].reshape(light.shape)

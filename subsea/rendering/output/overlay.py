@@ -54,9 +54,11 @@ class OverlayRenderer(GpuOwner):
         if self.shown is not None:
             if self._program is None:
                 self._program = self.own(program(context, "cabin", PANEL=2, LINEAR=1))
-            pixels = self.shown.pixels.astype(np.float32)
-            pixels[..., :3] *= pixels[..., 3:] / 255.0  # edges are mixed as they are seen
-            self._texture = self._held.own(upload(context, pixels.round().astype("u1")[::-1]))
+            from PIL import Image  # few dives have an overlay
+
+            # Edges are mixed as they are seen: multiplied by their opacity.
+            pixels = np.asarray(Image.fromarray(self.shown.pixels).convert("RGBa"))
+            self._texture = self._held.own(upload(context, pixels[::-1]))
             self._texture.build_mipmaps()
             self._texture.filter = context.LINEAR_MIPMAP_LINEAR, context.LINEAR
             corners = fisheye_mesh(self.shown.tilt, self.shown.angle).astype("f4")

@@ -27,7 +27,12 @@ from subsea.stage.calibration.blending import (
 from subsea.stage.calibration.decode import decode
 from subsea.stage.calibration.light_levels import LightLevels, light_levels
 from subsea.stage.calibration.lit_theatre import LitTheatre, lit_theatre
-from subsea.stage.calibration.meshes import MeasuredProjector, measure_projector, planned_projector
+from subsea.stage.calibration.meshes import (
+    MeasuredProjector,
+    away_from_plan,
+    measure_projector,
+    planned_projector,
+)
 from subsea.stage.calibration.optics import (
     ORDINARY,
     ReferencePoint,
@@ -50,6 +55,7 @@ from subsea.view.structured_light import light_picture
 
 MOST_SEEN = 0.9  # share of a picture below which a line warns
 FAR_POINT, FAR_POINT_PX = 0.004, 5.0  # side of a photograph, or pixels, that a point may be off
+FAR_FROM_PLAN = 0.2  # diagonals of a picture beyond which a line warns
 NOT_STRAIGHT_PX = 3.0  # rms error of projectors as lenses beyond which a line warns
 
 
@@ -188,6 +194,12 @@ def _report(lit: LitTheatre, prints: Sequence[Footprint], levels: Sequence[Light
         )
         if share < MOST_SEEN:
             say(f"{channel.name}: {100 * share:.0f}% of it was seen; its lens gives the rest")
+        if (away := away_from_plan(one.measured, channel)) > FAR_FROM_PLAN:
+            say(
+                f"{channel.name}: its light lies {100 * away:.0f}% of its diagonal from where "
+                f"{lit.path.name} has it; are these photographs of this room, and is it on its own "
+                "cable?"
+            )
 
 
 class CalibrationFiles:

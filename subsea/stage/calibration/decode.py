@@ -109,7 +109,7 @@ def _decode_projector(
         if mismatch(white, black, picture, inverse) > MOST_MISMATCH:
             raise UserError(
                 f"does not show {step.words}, or {inverse_path.name} not its inverse; expected the "
-                "photographs in the order of the patterns",
+                "photographs in the order of the patterns, and that nobody walks before the camera",
                 file=path,
             )
         axis = step.pattern.axis

@@ -96,6 +96,15 @@ def planned_projector(surface: LitSurface, channel: ProjectorChannel) -> Measure
     return MeasuredProjector(surface, size, nodes.reshape(rows, columns, 2), known, none, none)
 
 
+def away_from_plan(measured: MeasuredProjector, channel: ProjectorChannel) -> float:
+    """Measure how far its light lies from where the theatre file has it, in its diagonals."""
+    surface = measured.surface
+    planned = surface.points(planned_projector(surface, channel).nodes.reshape(-1, 2))
+    found = surface.points(measured.nodes.reshape(-1, 2))
+    diagonal = np.linalg.norm(np.nanmax(planned, axis=0) - np.nanmin(planned, axis=0))
+    return float(np.nanmedian(np.linalg.norm(found - planned, axis=1)) / diagonal)
+
+
 def _node_grid(size: tuple[int, int]) -> tuple[Array, Array]:
     """x and y (rows, columns) of the nodes of a mesh, in pixels from the upper left corner."""
     columns, rows = (max(round(side / NODE_PX), 4) + 1 for side in size)

@@ -200,7 +200,14 @@ def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
             f"speaks protocol {data[len(MAGIC) - 1]}, expected {PROTOCOL}: it has another version "
             f"of subsea than {__version__}"
         )
+    return content_of(data, MAGIC, decoder)
+
+
+def content_of(data: bytes, magic: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
+    """Decode a message that begins with `magic`; anything else is a UserError."""
     try:
-        return decoder.decode(data[len(MAGIC) :])
+        if not data.startswith(magic):
+            raise msgspec.DecodeError("another beginning")
+        return decoder.decode(data[len(magic) :])
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
         raise UserError(f"the message received is not one of subsea ({fault})") from fault

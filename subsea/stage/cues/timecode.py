@@ -14,6 +14,7 @@ RATES: dict[Rate, float] = {"24": 24.0, "25": 25.0, "29.97": 30000.0 / 1001.0, "
 
 LOCK_S = 0.5  # for which labels must go on with the clock
 LOST_S = 0.5  # without a label: it has stopped
+STRAY_S = 0.2  # of labels that differ from those that go on, before they may be a jump
 NEAR_S = 0.12  # from where the clock says that a label is due: three frames
 DRIFT = 0.02  # share of such a difference that is made up for: sources may be off by some percent
 DAY_S = 86400.0
@@ -92,9 +93,10 @@ class TimecodeFollower:
             self._run, self._other = self._run.after(time_s, now_s), None
             return
         other = self._other
-        if other is None or now_s - other.heard_s > LOST_S or not other.goes_on(time_s, now_s):
-            self._other = _Run(now_s, now_s, time_s - now_s)
-            return
+        if other is None or not other.goes_on(time_s, now_s):
+            if other is None or now_s - other.heard_s > STRAY_S:
+                self._other = _Run(now_s, now_s, time_s - now_s)
+            return  # else one that was misread, while others go on
         self._other = other.after(time_s, now_s)
         if now_s - other.since_s >= LOCK_S:
             self._run, self._other = self._other, None

@@ -1,14 +1,21 @@
 """`subsea fleet`: versions of all computers of a theatre, updates, and the way back."""
 
+import errno
+import time
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from subsea.base.command_line import add_command
 from subsea.base.errors import UserError
 from subsea.base.progress import print_line, say
 
+if TYPE_CHECKING:
+    from subsea.stage.cluster.keys import Keys
+    from subsea.stage.cluster.roll_call import RollCall
+
 GROUP = "scenarios and theatres"  # in the help
+LOOK_S = 0.2  # between two tries to listen
 
 
 def add(commands: Any) -> None:
@@ -17,9 +24,10 @@ def add(commands: Any) -> None:
         commands,
         "fleet",
         "update all computers of a theatre",
-        "Run it on the master's computer, while its dive is closed and the nodes wait for it:\n"
-        "docs/how-to/fleet.md. `status` shows the versions, `update` installs a wheel on all\n"
-        "computers, `rollback` returns to the version before.",
+        "Run it on the master's computer: docs/how-to/fleet.md. `update` installs a wheel on all\n"
+        "computers, `rollback` returns to the version before. A dive of the master ends with the\n"
+        "item of its show, and starts again afterwards. `status` shows the versions, while that\n"
+        "dive is closed and the nodes wait for it.",
         [
             "subsea fleet status hall.toml",
             "subsea fleet update hall.toml subsea-2.0-py3-none-any.whl",
@@ -37,11 +45,11 @@ def run(options: Namespace) -> int:
     if (options.wheel is not None) != (options.what == "update"):
         needs = "needs a WHEEL" if options.what == "update" else "takes no WHEEL"
         raise UserError(f"fleet {options.what}: {needs}")
-    from contextlib import closing
+    from contextlib import ExitStack, closing
 
     from subsea import __version__
     from subsea.stage.cluster.link import credentials
-    from subsea.stage.cluster.roll_call import RollCall
+    from subsea.stage.fleet.hand_over import address_wanted
     from subsea.stage.fleet.rollout import Rollout
     from subsea.stage.fleet.updates import Updates
     from subsea.stage.fleet.wheel import read_wheel
@@ -58,11 +66,13 @@ def run(options: Namespace) -> int:
             "[cluster] names no `keys`: `subsea keys DIR NAME...` makes them", file=path
         )
     others = [name for name in theatre.nodes if name != cluster.master]
-    try:
-        roll_call = RollCall(cluster.address, keys)
-    except UserError as fault:
-        raise UserError(f"{fault}: close the dive of the master first") from fault
-    with closing(roll_call), closing(Updates()) as own:
+    with ExitStack() as held:
+        if options.what != "status":
+            held.enter_context(address_wanted(cluster.address))
+        roll_call = held.enter_context(
+            closing(_listening(cluster.address, keys, options.what != "status"))
+        )
+        own = held.enter_context(closing(Updates()))
         rollout = Rollout(roll_call, others, own, say)
         say(f"waits for {', '.join(others)}")
         missing = rollout.gather()
@@ -82,3 +92,24 @@ def run(options: Namespace) -> int:
         else:
             rollout.roll_back()
     return 0
+
+
+def _listening(address: str, keys: "Keys", waits: bool) -> "RollCall":
+    """Listen at the address of the master, if `waits` once its dive has come to an end."""
+    from subsea.stage.cluster.roll_call import RollCall
+
+    told = False
+    while True:
+        try:
+            return RollCall(address, keys)
+        except UserError as fault:
+            in_use = getattr(fault.__cause__, "errno", None) == errno.EADDRINUSE
+            if not waits or not in_use:
+                raise UserError(f"{fault}: close the dive of the master first") from fault
+        if not told:
+            say(
+                "waits until the dive of the master ends with the item of its show; one of another "
+                "user or an older version must be closed by hand"
+            )
+            told = True
+        time.sleep(LOOK_S)

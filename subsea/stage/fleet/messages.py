@@ -5,12 +5,11 @@ receivers pass over keys that they do not know: computers with different version
 know each other's, and can be updated.
 """
 
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import msgspec
 
-from subsea.base.errors import UserError
-from subsea.stage.cluster.messages import FLEET, PART, Count, Name, Words
+from subsea.stage.cluster.messages import FLEET, PART, Count, Name, Words, content_of
 
 NUMBER = 1
 MAGIC = FLEET + NUMBER.to_bytes(1, "little")
@@ -18,7 +17,6 @@ MOST_PICTURE = 32_000  # bytes of a JPEG
 MOST_WHEEL = 1 << 29  # bytes
 WHEEL_PART = 1 << 18  # bytes of a wheel in a message
 
-T = TypeVar("T")
 Line = Annotated[str, msgspec.Meta(max_length=200)]
 Positive = Annotated[float, msgspec.Meta(ge=0, le=1e12)]
 Digest = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{64}\Z")]
@@ -117,18 +115,9 @@ def encode(message: FromNode | FromMaster) -> bytes:
 
 def from_node(data: bytes) -> FromNode:
     """Decode a message of a node; anything else is a UserError."""
-    return _decode(data, _from_node)
+    return content_of(data, MAGIC, _from_node)
 
 
 def from_master(data: bytes) -> FromMaster:
     """Decode a message of the master; anything else is a UserError."""
-    return _decode(data, _from_master)
-
-
-def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
-    if data[: len(MAGIC)] != MAGIC:
-        raise UserError("the message received is not one of this version's fleet")
-    try:
-        return decoder.decode(data[len(MAGIC) :])
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
-        raise UserError(f"the message received is not one of the fleet ({fault})") from fault
+    return content_of(data, MAGIC, _from_master)

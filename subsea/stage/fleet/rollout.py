@@ -79,7 +79,7 @@ class Rollout:
                 "switched. Look at the messages there, then try again or `subsea fleet rollback`"
             )
         self._ask_own(order)
-        self._tell("all computers have switched: start the dive of the master again")
+        self._tell("all computers have switched")
 
     def _come_back(self, versions: Mapping[str, str]) -> list[str]:
         """Wait until all nodes call with their new version; returns those that do not."""

@@ -53,8 +53,10 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
 Name = Annotated[str, msgspec.Meta(pattern=NAME)]
-# Not //HOST/FILE: Windows would show a stranger's computer who the user is.
-File = Annotated[str, msgspec.Meta(pattern=r"^(?![/\\]{2})")]
+# Not //HOST/FILE: Windows would show a stranger's computer who the user is. No other key has this
+# pattern: by it all names of files are found (`theatre_writer.moved_files`).
+FILE = r"^(?![/\\]{2})"
+File = Annotated[str, msgspec.Meta(pattern=FILE)]
 Shift = Annotated[float, msgspec.Meta(ge=-16384, le=16384)]
 PixelPair = tuple[Shift, Shift]  # right, down
 PointRow = Annotated[list[PixelPair], msgspec.Meta(min_length=2, max_length=MOST_POINTS)]

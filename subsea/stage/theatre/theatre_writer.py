@@ -1,25 +1,28 @@
-"""Write theatre files: a theatre of another program, with the meshes that are in no file, or a
-layout, with comments and the steps to line its projectors up."""
+"""Write theatre files: a theatre of another program, with the meshes that are in no file, a copy of
+a theatre file, or a layout, with comments and the steps to line its projectors up."""
 
 import io
 import os
 import textwrap
-from collections.abc import Iterable
+import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
+from msgspec import inspect
 from PIL import Image
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError, printable
-from subsea.base.files import check_file, replacing
-from subsea.base.toml_edit import toml_value
+from subsea.base.files import check_file, read_text, replacing
+from subsea.base.toml_edit import edit_toml, toml_value
+from subsea.base.toml_files import MAX_BYTES
 from subsea.stage.theatre.imported import ImportedTheatre
 from subsea.stage.theatre.layouts import TheatreLayout, front_channel
 from subsea.stage.theatre.measured_mesh import MeasuredMesh
-from subsea.stage.theatre.theatre_file import Theatre
+from subsea.stage.theatre.theatre_file import FILE, Theatre
 from subsea.view.rig import Warp
 
 # A comment before the first of each kind of table.
@@ -33,14 +36,14 @@ COMMENTS = {
 IN_A_ROW = 6  # windows of a row of the desktop
 COLUMN = 98  # of comments
 UNWRITTEN = "meshes", "left_out", "refused"
-KEYS = ("title", "scale", "eye_cm", "eye_distance_cm", "level")
 
 
 def write_theatre(theatre: Theatre, path: Path, out: Path, force: bool = False) -> list[Path]:
     """Write a theatre that was read from `path` to `out`; return the files that were written.
 
-    Files that it names are named relative to `out`. Warps that are in no file are written beside
-    it. Existing files are a UserError without `force`; nothing is written then.
+    A theatre file of our own keeps its comments. Files that it names are named relative to `out`.
+    Warps that are in no file are written beside it. Existing files are a UserError without `force`;
+    nothing is written then.
     """
     if out.suffix.lower() != ".toml":
         raise UserError("expected a file that ends in .toml", file=out)
@@ -52,32 +55,62 @@ def write_theatre(theatre: Theatre, path: Path, out: Path, force: bool = False) 
     files = [*names.values(), *masks.values(), out]
     for file in files:
         check_free(file, force)
-    folder = os.path.relpath(path.parent, out.parent)
 
-    def placed(file: str | None) -> str | None:
-        return None if file is None else os.path.normpath(Path(folder) / file).replace(os.sep, "/")
+    def placed(file: str) -> str:
+        if file in names:
+            return names[file].name
+        if Path(file).is_absolute():
+            return file
+        return os.path.relpath(path.parent / file, out.parent).replace(os.sep, "/")
 
-    channels = []
-    for channel in theatre.channel:
-        warp = channel.warp
-        channel = msgspec.structs.replace(channel, black_mask=placed(channel.black_mask))
-        if warp is not None and warp in made:
-            own_mask = masks[warp].name if warp in masks else placed(channel.mask)
-            channel = msgspec.structs.replace(channel, warp=names[warp].name, mask=own_mask)
-        else:
-            changes = {"warp": placed(warp), "mask": placed(channel.mask)}
-            channel = msgspec.structs.replace(channel, **changes)
-        channels.append(channel)
-    archives = [
-        msgspec.structs.replace(archive, file=placed(archive.file)) for archive in theatre.mpcdi
-    ]
-    moved = msgspec.structs.replace(theatre, channel=channels, mpcdi=archives)
+    if path.suffix.lower() == ".toml":
+        text = _with_files(path, placed)
+    else:
+        content = moved_files(plain(theatre), placed)
+        for channel, table in zip(theatre.channel, content.get("channel", ()), strict=True):
+            if channel.warp in masks:
+                table["mask"] = masks[channel.warp].name
+        text = compose_theatre(theatre, content, path)
     for key, mesh in made.items():
         _write(names[key], compose_obj(mesh.warp).encode())
         if key in masks:
             _write(masks[key], _png(mesh))
-    _write(out, compose_theatre(moved, path).encode())
+    _write(out, text.encode())
     return files
+
+
+def moved_files(content: Any, placed: Callable[[str], str], kind: Any = Theatre) -> Any:
+    """Return the content of a theatre file with `placed` applied to the names of all files."""
+    return _moved(content, inspect.type_info(kind), placed)
+
+
+def _moved(content: Any, shape: inspect.Type, placed: Callable[[str], str]) -> Any:
+    """Apply `placed` to the texts in a content whose type is `File`."""
+    match shape, content:
+        case inspect.StrType(pattern=pattern), str() if pattern == FILE:
+            return placed(content)
+        case inspect.UnionType(), _:
+            for kind in shape.types:  # at most one of them names a file
+                content = _moved(content, kind, placed)
+        case inspect.ListType(), list():
+            return [_moved(inner, shape.item_type, placed) for inner in content]
+        case inspect.DictType(), dict():
+            return {key: _moved(inner, shape.value_type, placed) for key, inner in content.items()}
+        case inspect.StructType(), dict():
+            kinds = {field.encode_name: field.type for field in shape.fields}
+            return {key: _moved(inner, kinds[key], placed) for key, inner in content.items()}
+    return content
+
+
+def _with_files(path: Path, placed: Callable[[str], str]) -> str:
+    """Return the text of a theatre file of our own in which the names of files are `placed`."""
+    text = read_text(path, MAX_BYTES)
+    old = tomllib.loads(text)
+    new = moved_files(old, placed)
+    changed = text if new == old else edit_toml(text, old, new, file=path)
+    if tomllib.loads(changed) != new:
+        raise UserError("its tables cannot be edited; write each table with a header", file=path)
+    return changed
 
 
 def check_free(path: Path, force: bool) -> None:
@@ -87,19 +120,26 @@ def check_free(path: Path, force: bool) -> None:
         raise UserError("exists; choose another name, or give --force to replace it", file=path)
 
 
-def compose_theatre(theatre: Theatre, source: Path) -> str:
-    """The text of a theatre file, with what is left out as comments."""
+def compose_theatre(theatre: Theatre, content: dict[str, Any], source: Path) -> str:
+    """The text of a theatre file with this content, and what is left out of it as comments."""
     lines = [_comment(f"Written by `subsea theatre {source.name} --write`.")]
     for kind in ("refused", "left_out"):
         lines += [_comment(f"Left out: {line}") for line in getattr(theatre, kind, ())]
     lines.append("")
-    content = plain(theatre)
-    lines += [f"{key} = {toml_value(content[key])}" for key in KEYS if key in content]
-    for kind in ("window", "channel", "mpcdi", "loudspeaker"):
-        lines += _tables(kind, content.get(kind, ()))
-    if "cluster" in content:
-        lines += ["", _comment(COMMENTS["cluster"]), "[cluster]", *_pairs(content["cluster"])]
+    tables = {key: value for key, value in content.items() if _is_table(value)}
+    lines += _pairs({key: value for key, value in content.items() if key not in tables})
+    for key, value in tables.items():
+        header = f"[{key}]" if isinstance(value, dict) else f"[[{key}]]"
+        comment = [_comment(COMMENTS[key])] if key in COMMENTS else []
+        for table in [value] if isinstance(value, dict) else value:
+            lines += ["", *comment, header, *_pairs(table)]
+            comment = []
     return "\n".join(lines) + "\n"
+
+
+def _is_table(value: Any) -> bool:
+    """True for a table or a list of tables, which have headers."""
+    return isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict))
 
 
 def compose_obj(warp: Warp) -> str:
@@ -111,16 +151,6 @@ def compose_obj(warp: Warp) -> str:
     lines += [f"vt {u:.7g} {v:.7g}" for u, v in warp.vertices[:, 2:4].astype(np.float64)]
     lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (warp.triangles + 1).tolist()]
     return "\n".join(lines) + "\n"
-
-
-def _tables(kind: str, tables: Iterable[dict[str, Any]]) -> list[str]:
-    lines = []
-    for number, table in enumerate(tables):
-        lines.append("")
-        if number == 0:
-            lines.append(_comment(COMMENTS[kind]))
-        lines += [f"[[{kind}]]", *_pairs(table)]
-    return lines
 
 
 def _pairs(table: dict[str, Any]) -> list[str]:
@@ -141,6 +171,8 @@ def plain(value: Any) -> Any:
             if not (same or empty or inner is None) and field.name not in UNWRITTEN:
                 table[field.name] = plain(inner)
         return table
+    if isinstance(value, dict):
+        return {key: plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
         return [plain(inner) for inner in value]
     return value

@@ -25,6 +25,7 @@ from subsea.stage.console.options import ConsoleOptions, ListenAddress, console_
 from subsea.stage.console.server import ConsoleServer
 from subsea.stage.line_up import apply_command
 from subsea.stage.theatre.line_up import Adjustments, LineUp
+from tests.support.browser import browser
 
 TOKEN = "a-token-of-more-than-thirty-two-letters"
 STATE: dict[str, Any] = {
@@ -58,6 +59,14 @@ def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
     with socket.socket(socket.AF_INET, kind) as taken:
         taken.bind(("127.0.0.1", 0))
         return int(taken.getsockname()[1])
+
+
+@pytest.fixture(scope="module")
+def page():
+    """A page in a browser."""
+    with browser() as one:
+        one.size(1024, 768)
+        yield one
 
 
 class FakeDive:

@@ -7,8 +7,14 @@ import pytest
 
 from subsea.stage.console.commands import RestartNode, SwitchProjector, WakeNode
 from subsea.stage.fleet.pictures import bounded_jpeg
-from tests.stage.console.test_page import CONTRASTS, CONTROLS, click, taken
-from tests.support.browser import browser
+from tests.support.console_pages import (
+    check_fits,
+    check_names,
+    check_strangers,
+    check_without_theatre,
+    click,
+    taken,
+)
 
 LEFT = {
     "name": "left", "own": False, "connected": True, "since": 1_790_000_000,
@@ -31,13 +37,6 @@ FLEET = {
          "fault": "does not answer (too slow)"},
     ],
 }  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def page():
-    with browser() as one:
-        one.size(1024, 768)
-        yield one
 
 
 @pytest.fixture
@@ -140,40 +139,24 @@ def test_the_question_is_answered_by_keyboard(console, hall):
 
 def test_a_screen_reader_finds_names(hall):
     hall.until(f"{card(0)}.querySelector('img').alt")
-    tree = hall.tree()
-    assert not [one for one in tree if one["role"] in CONTROLS and not one["name"].strip()]
-    named = {(one["role"], one["name"]) for one in tree}
-    assert {("button", "Restart program left"), ("button", "Switch off right"),
-            ("button", "Restart all"), ("heading", "Computers"),
-            ("image", "Picture of middle")} <= named  # fmt: skip
+    check_names(
+        hall,
+        ("button", "Restart program left"),
+        ("button", "Switch off right"),
+        ("button", "Restart all"),
+        ("heading", "Computers"),
+        ("image", "Picture of middle"),
+    )
 
 
 @pytest.mark.parametrize("width", [320, 768, 1280])
 def test_it_fits_a_telephone_and_a_tablet(hall, width):
-    hall.size(width, 700)
-    try:
-        assert hall.run("document.documentElement.scrollWidth") <= width
-        assert hall.run(CONTRASTS) == []
-        small = hall.run(
-            "[...document.querySelectorAll('button, .button')]"
-            ".filter(one => one.offsetParent && one.getBoundingClientRect().height < 44)"
-            ".map(one => one.id || one.textContent)"
-        )
-        assert small == []
-    finally:
-        hall.size(1024, 768)
+    check_fits(hall, width)
 
 
 def test_without_a_theatre_it_says_so(console, page):
-    page.open(f"http://{console.host}/fleet")
-    page.until("!document.getElementById('none').hidden")
-    assert page.run("document.getElementById('fleet').hidden")
-    page.open("about:blank")
+    check_without_theatre(console, page, "/fleet", "fleet")
 
 
 def test_strangers_are_sent_to_the_login(guarded, page):
-    page.logged.clear()
-    page.open(f"http://{guarded.host}/fleet")
-    page.until("location.pathname === '/' && document.activeElement?.id === 'token'")
-    page.logged.clear()  # refusals are logged
-    page.open("about:blank")
+    check_strangers(guarded, page, "/fleet")

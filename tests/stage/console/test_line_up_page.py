@@ -6,15 +6,13 @@ import pytest
 
 from subsea.stage.theatre.line_up import LineUp, LineUpChannel
 from subsea.stage.theatre.theatre_file import Adjustment, Corners
-from tests.stage.console.test_page import CONTRASTS, CONTROLS, click
-from tests.support.browser import browser
-
-
-@pytest.fixture(scope="module")
-def page():
-    with browser() as one:
-        one.size(1024, 768)
-        yield one
+from tests.support.console_pages import (
+    check_fits,
+    check_names,
+    check_strangers,
+    check_without_theatre,
+    click,
+)
 
 
 @pytest.fixture
@@ -146,39 +144,24 @@ def test_a_refused_change_is_read_aloud(console, tool):
 
 
 def test_a_screen_reader_finds_names(tool):
-    tree = tool.tree()
-    assert not [one for one in tree if one["role"] in CONTROLS and not one["name"].strip()]
-    named = {(one["role"], one["name"]) for one in tree}
-    assert {("button", "Up"), ("combobox", "Projector"), ("spinbutton", "Gamma"),
-            ("spinbutton", "Red"), ("button", "Save")} <= named  # fmt: skip
+    check_names(
+        tool,
+        ("button", "Up"),
+        ("combobox", "Projector"),
+        ("spinbutton", "Gamma"),
+        ("spinbutton", "Red"),
+        ("button", "Save"),
+    )
 
 
 @pytest.mark.parametrize("width", [320, 768, 1280])
 def test_it_fits_a_telephone_and_a_tablet(tool, width):
-    tool.size(width, 700)
-    try:
-        assert tool.run("document.documentElement.scrollWidth") <= width
-        assert tool.run(CONTRASTS) == []
-        small = tool.run(
-            "[...document.querySelectorAll('button, select, input, .button')]"
-            ".filter(one => one.offsetParent && one.getBoundingClientRect().height < 44)"
-            ".map(one => one.id || one.textContent)"
-        )
-        assert small == []
-    finally:
-        tool.size(1024, 768)
+    check_fits(tool, width)
 
 
 def test_without_a_theatre_it_says_so(console, page):
-    page.open(f"http://{console.host}/line-up")
-    page.until("!document.getElementById('none').hidden")
-    assert page.run("document.getElementById('tool').hidden")
-    page.open("about:blank")
+    check_without_theatre(console, page, "/line-up", "tool")
 
 
 def test_strangers_are_sent_to_the_login(guarded, page):
-    page.logged.clear()
-    page.open(f"http://{guarded.host}/line-up")
-    page.until("location.pathname === '/' && document.activeElement?.id === 'token'")
-    page.logged.clear()  # refusals are logged
-    page.open("about:blank")
+    check_strangers(guarded, page, "/line-up")

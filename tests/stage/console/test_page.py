@@ -22,37 +22,7 @@ from subsea.stage.console.commands import (
     StartTour,
 )
 from tests.stage.console.conftest import TOKEN
-from tests.support.browser import browser
-
-CONTROLS = {"button", "combobox", "textbox", "slider", "checkbox"}
-# Contrast of text with the first opaque ground behind it, by WCAG 2.
-CONTRASTS = """(() => {
-  const parts = text => text.match(/[\\d.]+/g).map(Number);
-  const light = ([r, g, b]) => [r, g, b].map(v => v / 255)
-    .map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
-    .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
-  const ground = one => {
-    for (; one; one = one.parentElement) {
-      const rgb = parts(getComputedStyle(one).backgroundColor);
-      if (rgb.length < 4 || rgb[3] > 0) return rgb;
-    }
-    return [255, 255, 255];
-  };
-  return [...document.querySelectorAll("body *")]
-    .filter(one => one.offsetParent && !one.disabled
-      && [...one.childNodes].some(child => child.nodeType === 3 && child.data.trim()))
-    .map(one => {
-      const [a, b] = [light(parts(getComputedStyle(one).color)), light(ground(one))];
-      return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), one.id || one.textContent.trim()];
-    }).filter(([ratio]) => ratio < 4.5);
-})()"""
-
-
-@pytest.fixture(scope="module")
-def page():
-    with browser() as one:
-        one.size(1024, 768)
-        yield one
+from tests.support.console_pages import check_fits, check_names, click, taken
 
 
 @pytest.fixture
@@ -63,18 +33,6 @@ def opened(console, page):
     yield page
     assert not page.logged, page.logged
     page.open("about:blank")
-
-
-def click(page, name):
-    page.run(f"document.getElementById({name!r}).click()")
-
-
-def taken(console, command):
-    """Wait until the dive has got a command."""
-    end = time.monotonic() + 30.0
-    while command not in console.dive.taken:
-        assert time.monotonic() < end, console.dive.taken
-        time.sleep(0.02)
 
 
 def test_every_control_sends_its_command(console, opened):
@@ -176,17 +134,14 @@ def test_the_order_of_the_focus_is_that_of_the_page(opened):
 
 
 def test_a_screen_reader_finds_names_and_states(opened):
-    tree = opened.tree()
-    unnamed = [one for one in tree if one["role"] in CONTROLS and not one["name"].strip()]
-    assert not unnamed
-    named = {(one["role"], one["name"]) for one in tree}
-    assert {
+    tree = check_names(
+        opened,
         ("button", "Blank"), ("combobox", "Tour"), ("combobox", "Quality"), ("slider", "Volume"),
         ("textbox", "Your text, 300 characters at most"), ("button", "Start Cue 1"),
         ("image", "Live picture of the dive"), ("main", ""), ("region", "Screens"),
         ("columnheader", "Mean wait, ms"), ("rowheader", "left"),
         ("heading", "Presenter's console"),
-    } <= named  # fmt: skip
+    )  # fmt: skip
     live = {one.get("live") for one in tree}
     assert "polite" in live
     assert next(one for one in tree if one["name"] == "Blank")["pressed"] == "false"
@@ -200,22 +155,9 @@ def test_a_refusal_is_read_aloud(console, opened):
     opened.logged.clear()  # the browser's own line about the refusal
 
 
-def test_text_has_contrast_and_controls_room_for_a_finger(opened):
-    assert opened.run(CONTRASTS) == []
-    small = opened.run(
-        "[...document.querySelectorAll('button, select, textarea, summary, input[type=range],"
-        " input[type=text]')]"
-        ".filter(one => one.offsetParent && one.getBoundingClientRect().height < 44)"
-        ".map(one => one.id || one.textContent)"
-    )
-    assert small == []
-
-
 @pytest.mark.parametrize("width", [320, 768, 1280])
 def test_it_fits_a_telephone_and_a_tablet(opened, width):
-    opened.size(width, 700)
-    assert opened.run("document.documentElement.scrollWidth") <= width
-    opened.size(1024, 768)
+    check_fits(opened, width)
 
 
 def test_the_picture_is_renewed_only_while_it_is_shown(console, opened, monkeypatch):

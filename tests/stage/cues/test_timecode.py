@@ -1,5 +1,6 @@
 """The time that a timecode shows: in order, misread, wound, standing still, stopped, jumping."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -66,6 +67,18 @@ def test_a_timecode_is_believed_after_half_a_second_and_goes_on_between_labels()
     assert follower.time_at(now_s) == pytest.approx(time_s)
     assert follower.time_at(now_s + 0.3) == pytest.approx(time_s + 0.3)
     assert follower.jumps == 1
+
+
+def test_a_noisy_timecode_is_believed_as_soon_as_a_clean_one():
+    follower, random = TimecodeFollower(), np.random.default_rng(3)
+    for k in range(1, 18):
+        time_s = random.uniform(0.0, 86399.0) if k % 4 == 0 else 3600.0 + k * FRAME_S
+        follower.hear(time_s, k * FRAME_S)
+    assert follower.time_at(17 * FRAME_S) == pytest.approx(3600.0 + 17 * FRAME_S, abs=0.01)
+    noise = TimecodeFollower()
+    for k in range(200):
+        noise.hear(random.uniform(0.0, 86399.0), k * FRAME_S)
+    assert noise.time_at(200 * FRAME_S) is None
 
 
 def test_a_label_that_is_misread_changes_nothing(running):

@@ -79,6 +79,7 @@ def environment(folder, version):
 @pytest.fixture
 def hall(tmp_path, monkeypatch):
     """A rollout on the master, two nodes, and installations that take no time."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     write_keys(tmp_path / "keys", ["middle", *NODES])
     monkeypatch.setattr(
         updates.installing, "install",

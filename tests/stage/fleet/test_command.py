@@ -1,11 +1,15 @@
 """`subsea fleet` on the command line: what it prints, and one line for each fault."""
 
+import threading
+import time
+
 import pytest
 
 from subsea import __version__
 from subsea.cli.main import main
 from subsea.stage.fleet import rollout
-from tests.stage.fleet.conftest import NODES
+from subsea.stage.fleet.hand_over import is_wanted, wait_until_free
+from tests.stage.fleet.conftest import NODES, version
 from tests.stage.fleet.test_installing import make_wheel
 
 WINDOW = '[[window]]\nname = "{0}"\nnode = "{0}"\nsize = [64, 48]\n'
@@ -46,6 +50,31 @@ def test_an_address_that_the_dive_of_the_master_has(hall, tmp_path, capsys):
     text = CLUSTER.format(address=made._call.address) + 'keys = "keys"\n'
     assert main(["fleet", "status", theatre(tmp_path, text)]) == 2
     assert capsys.readouterr().err.strip().endswith("close the dive of the master first")
+
+
+def test_an_update_waits_until_the_dive_of_the_master_has_ended(hall, tmp_path, capsys):
+    made, _, own = hall
+    address = made._call.address
+    path = theatre(tmp_path, CLUSTER.format(address=address) + 'keys = "keys"\n')
+    ended = []
+
+    def dive():
+        """Looks for the command, ends, and waits."""
+        while not is_wanted(address):
+            time.sleep(0.05)
+        made._call.close()
+        wait_until_free(address, ended.append)
+        ended.append("free")
+
+    thread = threading.Thread(target=dive)
+    thread.start()
+    assert main(["fleet", "rollback", path]) == 2  # this computer has no version before
+    told = capsys.readouterr().err
+    thread.join(30.0)
+    assert "waits until the dive of the master ends with the item of its show" in told
+    assert "waits for left, right" in told and "close the dive" not in told
+    assert ended == ["waits for `subsea fleet`, then starts again", "free"]
+    assert version(own) == "1.0"
 
 
 def test_versions_are_listed_and_missing_nodes_stop_an_update(hall, tmp_path, capsys, monkeypatch):

@@ -205,7 +205,7 @@ def test_frame_times():
 @pytest.mark.parametrize("message", [FACTS, PicturePart(9, 3, b"\x00bytes")])
 def test_messages_of_nodes(message):
     assert from_node(encode(message)) == message
-    with pytest.raises(UserError, match="not one of the fleet"):
+    with pytest.raises(UserError, match="not one of subsea"):
         from_master(encode(message))
 
 
@@ -234,5 +234,5 @@ def test_garbage_is_refused(data):
 def test_values_beyond_their_limits_are_refused(changes):
     content = {"type": "facts"} | msgspec.structs.asdict(FACTS)
     assert from_node(MAGIC + msgspec.msgpack.encode(content)) == FACTS
-    with pytest.raises(UserError, match="not one of the fleet"):
+    with pytest.raises(UserError, match="not one of subsea"):
         from_node(MAGIC + msgspec.msgpack.encode(content | changes))
