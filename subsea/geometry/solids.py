@@ -96,21 +96,12 @@ def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
     A cheap test without the rock's rotation, so False for some that are farther.
     """
     x, y, z = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
-    tall, wide, limit = far_limits(rock, gap)
-    return (x * x + y * y) * tall + z * z * wide > limit
-
-
-@kernel
-def far_limits(rock: Array, gap: float) -> Vector:
-    """Factors of the squares along and up, and the least sum, with which `far_from_rock` is true.
-
-    With s the size of p in half axes and m the shortest of these, the gap is ≥ m (s - 1).
-    """
     wide = max(rock[3], rock[4])
+    # With s the size of p in half axes and m the shortest of these, the gap is ≥ m (s - 1).
     size = 1.0 + gap / min(rock[3], rock[4], rock[5])
     tall = rock[5] * rock[5]
     wide *= wide
-    return tall, wide, 1.000001 * size * size * wide * tall
+    return (x * x + y * y) * tall + z * z * wide > 1.000001 * size * size * wide * tall
 
 
 # Heights above which no rock is near are kept for cells of the sea, and for these ranges, cm.

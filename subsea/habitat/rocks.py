@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.solids import far_limits
 from subsea.geometry.vector import Vector
 from subsea.kernels import kernel
 from subsea.scenario.schema import Arch, Outcrop, Ridge, Rock, Scenario, Wreck
@@ -244,20 +243,17 @@ class RockCells(NamedTuple):
     columns: int
     rows: int
     first: Ints  # (cells + 1,) where the rocks of each cell begin in `near`
-    near: Array  # (m, 12) rows of `Sea.rocks`, of each cell in their order; all if they are few.
-    # Then follow the cosine and sine of the yaw, and three numbers for `is_far_from_listed`.
+    near: Array  # (m, 9) rows of `Sea.rocks`, of each cell in their order; all if they are few.
+    # The last two columns are the cosine and sine of the yaw.
 
 
 @kernel
-def rock_cells(rocks: Array, reach: float, gap: float) -> RockCells:
-    """List the `rocks` (k, 7) that are within `reach` cm of each cell, level and by their boxes.
-
-    `is_far_from_listed` tests for more than `gap` cm.
-    """
+def rock_cells(rocks: Array, reach: float) -> RockCells:
+    """List the `rocks` (k, 7) that are within `reach` cm of each cell, level and by their boxes."""
     if len(rocks) <= FEW:
-        few = np.empty((len(rocks), 12))
+        few = np.empty((len(rocks), 9))
         for k in range(len(rocks)):
-            _list_rock(few[k], rocks[k], gap)
+            _list_rock(few[k], rocks[k])
         return RockCells(0.0, 0.0, 0, 0, np.zeros(1, np.int64), few)
     west, south, east, north = math.inf, math.inf, -math.inf, -math.inf
     for k in range(len(rocks)):
@@ -279,35 +275,27 @@ def rock_cells(rocks: Array, reach: float, gap: float) -> RockCells:
                 first[row * columns + column + 1] += 1
     for cell in range(columns * rows):
         first[cell + 1] += first[cell]
-    near, filled = np.empty((first[-1], 12)), first[:-1].copy()
+    near, filled = np.empty((first[-1], 9)), first[:-1].copy()
     for k in range(len(rocks)):
         for row in range(box[k, 2], box[k, 3] + 1):
             for column in range(box[k, 0], box[k, 1] + 1):
                 slot = filled[row * columns + column]
-                _list_rock(near[slot], rocks[k], gap)
+                _list_rock(near[slot], rocks[k])
                 filled[row * columns + column] += 1
     return RockCells(west, south, columns, rows, first, near)
 
 
 @kernel
-def _list_rock(row: Array, rock: Array, gap: float) -> None:
-    """Write a rock (7,) and what depends on it alone to `row` (12,)."""
+def _list_rock(row: Array, rock: Array) -> None:
+    """Write a rock (7,) and the cosine and sine of its yaw to `row` (9,)."""
     for item in range(7):
         row[item] = rock[item]
     row[7], row[8] = math.cos(rock[6]), math.sin(rock[6])
-    row[9], row[10], row[11] = far_limits(rock, gap)
-
-
-@kernel
-def is_far_from_listed(row: Array, p: Vector) -> bool:
-    """`far_from_rock` of a listed rock (12,), for the gap of the list: three products."""
-    x, y, z = p[0] - row[0], p[1] - row[1], p[2] - row[2]
-    return (x * x + y * y) * row[9] + z * z * row[10] > row[11]
 
 
 @kernel
 def rocks_near(cells: RockCells, p: Vector) -> Array:
-    """Rows (j, 12) of the rocks listed at p: all within the reach of the cells, some farther."""
+    """Rows (j, 9) of the rocks listed at p: all within the reach of the cells, and some farther."""
     if cells.columns == 0:
         return cells.near
     x, y = (p[0] - cells.west) / CELL_CM, (p[1] - cells.south) / CELL_CM

@@ -11,7 +11,7 @@ from subsea.behavior.intention import Routine
 from subsea.behavior.table import TABLE, BehaviorTable
 from subsea.directing.script import Script, make_script
 from subsea.fish.species import Species
-from subsea.habitat.current import REACH_CM, SPREAD_CM, flow_at
+from subsea.habitat.current import REACH_CM, flow_at
 from subsea.habitat.rocks import RockCells, rock_cells
 from subsea.motor.switching import Dynamics
 from subsea.perception.sites import SiteGrids, grids_of
@@ -65,7 +65,7 @@ class World:
         """Return the rocks by the cells where they change the current."""
         rocks = self.state.sea.rocks
         if self._listed is None or self._listed[0] is not rocks:
-            self._listed = rocks, rock_cells(rocks, REACH_CM, SPREAD_CM)
+            self._listed = rocks, rock_cells(rocks, REACH_CM)
         return self._listed[1]
 
     @property

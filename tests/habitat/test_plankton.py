@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import clearance
-from subsea.habitat.current import REACH_CM, SPREAD_CM
+from subsea.habitat.current import REACH_CM
 from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, RETURN_HEIGHT_CM, drift, scatter
 from subsea.habitat.rocks import rock_cells
 from subsea.state import Clock
@@ -24,7 +24,7 @@ def _scattered(number=300, seed=0, pillars=PILLARS[:0], rocks=ROCKS[:0]):
 
 
 def _pass(sea, flow, ticks, seed=0, first=0):
-    cells = rock_cells(sea.rocks, REACH_CM, SPREAD_CM)
+    cells = rock_cells(sea.rocks, REACH_CM)
     for tick in range(first, first + ticks):
         drift(np.arange(len(sea.plankton)), sea, cells, np.array(flow), Clock(seed, tick, DT))
 

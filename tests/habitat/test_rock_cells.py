@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import is_free
-from subsea.habitat.current import REACH_CM, SPREAD_CM, flow_near
+from subsea.habitat.current import REACH_CM, flow_near
 from subsea.habitat.rocks import FEW, rock_cells, rocks_near
 from tests.support.seas import all_rocks
 
@@ -25,7 +25,7 @@ def _rocks(number, seed):
 @given(seed=st.integers(0, 10**6))
 def test_the_water_is_that_of_all_rocks(number, seed):
     rocks = _rocks(number, seed)
-    cells = rock_cells(rocks, REACH_CM, SPREAD_CM)
+    cells = rock_cells(rocks, REACH_CM)
     for place in np.random.default_rng(seed).uniform(-1600, 1600, (50, 3)) * (1, 1, 0.2):
         p = vector(place)
         near = rocks_near(cells, p)
@@ -36,7 +36,7 @@ def test_the_water_is_that_of_all_rocks(number, seed):
 
 def test_few_are_listed_of_many_in_their_order():
     rocks = _rocks(400, 1)
-    cells = rock_cells(rocks, 0.0, 0.0)
+    cells = rock_cells(rocks, 0.0)
     near = rocks_near(cells, (0.0, 0.0, -200.0))
     assert 0 < len(near) < 60
     order = [np.flatnonzero((rocks == row[:7]).all(axis=1))[0] for row in near]
@@ -44,6 +44,6 @@ def test_few_are_listed_of_many_in_their_order():
 
 
 def test_far_from_all_none_is_listed():
-    cells = rock_cells(_rocks(90, 2), 50.0, 0.0)
+    cells = rock_cells(_rocks(90, 2), 50.0)
     for place in ((5000.0, 0.0, -200.0), (0.0, -5000.0, -200.0), (-5000.0, 5000.0, -200.0)):
         assert len(rocks_near(cells, place)) == 0

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.habitat import seaweed as module
-from subsea.habitat.current import REACH_CM, SPREAD_CM
+from subsea.habitat.current import REACH_CM
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.reef import KINDS, RUBBLE
 from subsea.habitat.rocks import rock_cells
@@ -55,7 +55,7 @@ NOBODY = empty(Fishes, n=0)
 
 def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
     sea, weed = bed
-    cells = rock_cells(sea.rocks, REACH_CM, SPREAD_CM)
+    cells = rock_cells(sea.rocks, REACH_CM)
     for tick in range(ticks):
         clock = Clock(0, tick, DT)
         step_seaweed(

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 
-from subsea.geometry.solids import far_limits
-from subsea.habitat.current import SPREAD_CM
 from subsea.habitat.rocks import RockCells
 from subsea.state import Sea, empty
 
@@ -19,6 +17,6 @@ def bare_sea(floor, radius=1300.0, half_width=1400.0, **solids):
 
 def all_rocks(rocks):
     """Cells that list all `rocks` (k, 7) everywhere."""
-    own = [(math.cos(rock[6]), math.sin(rock[6]), *far_limits(rock, SPREAD_CM)) for rock in rocks]
-    near = np.column_stack([rocks, np.reshape(own, (len(rocks), 5))])
+    turns = [(math.cos(yaw), math.sin(yaw)) for yaw in rocks[:, 6]]
+    near = np.column_stack([rocks, np.reshape(turns, (len(rocks), 2))])
     return RockCells(0.0, 0.0, 0, 0, np.zeros(1, np.int64), near)
