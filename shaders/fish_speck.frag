@@ -4,6 +4,7 @@ void main() {}
 #else
 #include "fades.glsl"
 #include "skin.glsl"
+#define BRIGHTEST 32.0
 #include "show.glsl"
 #include "fish_light.glsl"
 

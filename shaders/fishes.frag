@@ -2,6 +2,7 @@
 #include "fishes.glsl"
 #include "skin.glsl"
 #include "mouth.glsl"
+#define BRIGHTEST 32.0
 #include "show.glsl"
 #ifdef FADING
 #include "fades.glsl"

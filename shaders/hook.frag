@@ -1,5 +1,6 @@
 // A steel hook, a worm and a nylon line.
 #include "optics.glsl"
+#define BRIGHTEST 32.0
 #include "show.glsl"
 
 centroid in vec3 v_world;
