@@ -334,7 +334,7 @@ def test_nothing_covers_anything_else_in_a_small_window(opened):
             least = np.minimum(first[:, 2:4], other[:, 2:4])
             gaps = np.maximum(first[:, :2], other[:, :2]) - least
             assert (gaps.max(axis=1) >= 0).all()
-            # What is narrower than the film shows more above and below.
+            # A window narrower than the film shows more above and below.
             seen = opened.run("[viewer.camera.aspect, viewer.camera.fov, viewer.filmed.fov]")
             aspect, shown, filmed = seen[0], *np.tan(np.radians(seen[1:]) / 2)
             narrow = SIZE[0] / SIZE[1] / aspect
