@@ -51,7 +51,7 @@ STILL_CM_S = (
 )  # speeds below which a fish is not turned with its way, and beyond which it is
 
 
-class Course(NamedTuple):
+class FishCourse(NamedTuple):
     """The way of a fish at S moments without its beats, and how the fish deviates from it."""
 
     place: Array  # (S, 3) cm
@@ -292,7 +292,9 @@ def _eased(own: Array, known: Array, times: Array, back: Array) -> tuple[Array, 
     return out, float(eased.max())
 
 
-def _eased_angles(here: Course, there: Course, share: Array, path: Array, back: Array) -> Array:
+def _eased_angles(
+    here: FishCourse, there: FishCourse, share: Array, path: Array, back: Array
+) -> Array:
     """Compute the angles (S, 3) of a fish on its eased path (S, 3), so that it slips no more.
 
     Where the way home and the lead-in are opposite, the path turns at once, but the fish turns over
@@ -330,12 +332,12 @@ def _pose_share(back: Array) -> Array:
     return np.asarray(smoothstep(-back, -POSE_S, 0.0))
 
 
-def _course(places: Array, turns: Array, rate: float) -> Course:
+def _course(places: Array, turns: Array, rate: float) -> FishCourse:
     """Separate the course of a fish from its beats and sharp turns, with places (S, 3), cm."""
     place, angles = (_smoothed(values, COURSE_S, rate) for values in (places, _angles(turns)))
     axes = _axes(angles)
     askew = from_matrix(np.swapaxes(axes, 1, 2) @ matrix(turns))
-    return Course(place, angles, _in_body(axes, places - place), askew)
+    return FishCourse(place, angles, _in_body(axes, places - place), askew)
 
 
 def _smoothed(values: Array, seconds: float, rate: float) -> Array:
@@ -347,14 +349,14 @@ def _smoothed(values: Array, seconds: float, rate: float) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _lead_course(known: Array, times: Array, back: Array, rate: float) -> Course:
+def _lead_course(known: Array, times: Array, back: Array, rate: float) -> FishCourse:
     """Compute the course of a lead-in `back` (S,) seconds before the first frame."""
     beyond = -np.arange(1, round(COURSE_S * rate) + 1) / rate  # some of the film shapes its end
     moments = np.concatenate([back, beyond])
     places = Lead(known[:, POSITION], times)
     turns = np.array([_turn_before(known[:, ORIENTATION], times, left) for left in moments])
     whole = _course(np.array([places.before(left) for left in moments]), turns, rate)
-    return Course(*(values[: len(back)] for values in whole))
+    return FishCourse(*(values[: len(back)] for values in whole))
 
 
 def _angles(turns: Array) -> Array:
