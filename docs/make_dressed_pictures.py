@@ -61,7 +61,7 @@ def shot(renderer: Renderer, world: World, fish: int, turn: float, away: float) 
 
 def with_meshes(colour: np.ndarray, meshes: FishMeshes) -> np.ndarray:
     """A photograph overlaid with meshes."""
-    picture = np.ascontiguousarray(colour)
+    picture = colour.copy()
     for (name, one), ring in zip(meshes.parts.items(), mesh_outlines(meshes), strict=True):
         lines = [*one.nodes, *one.nodes.transpose(1, 0, 2)]
         for line in lines:

@@ -175,6 +175,10 @@ class Viewer {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
+    // A window narrower than the film loses some of its sides, and shows more above and below.
+    const narrow = Math.max(this.filmed.aspect / this.camera.aspect, 1);
+    const half = Math.tan(THREE.MathUtils.degToRad(this.filmed.fov / 2)) * Math.sqrt(narrow);
+    this.camera.fov = THREE.MathUtils.radToDeg(2 * Math.atan(half));
     this.camera.updateProjectionMatrix();
     this.dirty = true;
   }
@@ -221,9 +225,6 @@ class Viewer {
   back() {
     this.scene.updateMatrixWorld();
     this.filmed.matrixWorld.decompose(this.camera.position, this.camera.quaternion, new THREE.Vector3());
-    if (this.camera.fov === this.filmed.fov) return;
-    this.camera.fov = this.filmed.fov;
-    this.camera.updateProjectionMatrix();
   }
 
   at(event) {
@@ -260,8 +261,9 @@ class Viewer {
     box.hidden = !place || Math.abs(place.z) > 1;
     if (box.hidden) return;
     box.textContent = fish.title;
-    const x = (place.x + 1) / 2 * innerWidth, y = (1 - place.y) / 2 * innerHeight;
-    box.style.transform = `translate(${x.toFixed(1)}px, ${(y - 34).toFixed(1)}px) translateX(-50%)`;
+    const width = box.offsetWidth, y = (1 - place.y) / 2 * innerHeight;
+    const x = Math.max(Math.min((place.x + 1) / 2 * innerWidth - width / 2, innerWidth - width), 0);
+    box.style.transform = `translate(${x.toFixed(1)}px, ${(y - 34).toFixed(1)}px)`;
   }
 
   draw() {

@@ -7,6 +7,7 @@ material and fast gait of that shipped species which suits the new body best.
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -30,7 +31,7 @@ from subsea.biomechanics.body_plan import BodyPlan, SwimPlan
 from subsea.biomechanics.together import swim_together
 from subsea.fish.forms import Form
 from subsea.fish.outline_file import OutlinePlan, has_tail_fin, read_outline
-from subsea.fish.scaffold import fit_scaffold, volumes_at
+from subsea.fish.scaffold import fit_scaffold, three_digits, volumes_at
 from subsea.fish.species import (
     Species,
     load_species,
@@ -41,7 +42,8 @@ from subsea.fish.species import (
 from subsea.fish.surface import SurfacePlan
 
 PLAIN = "assets/outline_species.toml"  # all that an outline does not tell
-FIRMNESS = (0.5, 1.0, 2.0)  # factors of the stiffness that are tried
+FIRMNESS = (0.5, 1.0, 2.0)  # factors of the stiffness that are tried ...
+NARROWNESS = (0.7, 1.0)  # ... and of the widths of a slender body, which hardly bends at usual ones
 YOUNGEST, OLDEST = 0.8, 1.1  # sizes of adults over the given length
 NO_TAIL_FIN = (
     "it has no tail fin: nothing at its rear is higher than the narrowest place before it, so "
@@ -134,18 +136,22 @@ def _write(target: Path, text: str, request: FitRequest) -> Path | None:
 def first_guess(surface: SurfacePlan, fitted: BodyPlan) -> tuple[BodyPlan, SwimPlan]:
     """The fitted body with the material and fast gait of the shipped species that suit it best.
 
-    Their stiffness is scaled with the mass, and tried at each of FIRMNESS.
+    Their stiffness is scaled with the mass, and tried at each of FIRMNESS. A body that is wider
+    than high is tried at each of NARROWNESS.
     """
     volumes = volumes_at(surface, fitted.stations)
+    slender = max(fitted.half_heights) < max(fitted.half_widths)
     tried = []
-    for name in muscular_names():
+    for narrow, name in product(NARROWNESS if slender else (1.0,), muscular_names()):
         species = load_species(name)
         plan, swim = species.body, species.swim
         assert plan and swim
+        widths: Any = tuple(three_digits(narrow * width) for width in fitted.half_widths)
+        scaffold = msgspec.structs.replace(fitted, half_widths=widths)
         point = species_point(plan, swim, volumes_at(species.surface, plan.stations))
         for factor in FIRMNESS:
             place = at_mass(point, factor * fitted.mass / plan.mass)
-            body = body_at(fitted, place[GAIT_SIZE:], volumes)
+            body = body_at(scaffold, place[GAIT_SIZE:], volumes)
             tried.append((body, gait_at(build_body(body), without_grades(swim), "fast", place)))
     losses = swim_together(
         [wave_course(build_body(body), swim, "fast", seed=1) for body, swim in tried]

@@ -42,11 +42,22 @@ WIDE = 0.6  # share of the distance to the gate: a fish aims that far before it,
 DETOUR = 1.6  # length of the way home over the distance
 LEAST_S, MOST_S = 12.0, 32.0  # of the way home
 TURN_S = 4.0  # for turning round
+COURSE_S = 0.6  # before and after a moment, over which its course is the mean
+TURN_ROUND_S = 1.0  # before and after a moment, over which the ease turns a fish round
 CAMERA_S = 2.0  # in which the camera turns round
 STILL_CM_S = (
     1.0,
     4.0,
 )  # speeds below which a fish is not turned with its way, and beyond which it is
+
+
+class FishCourse(NamedTuple):
+    """The way of a fish at S moments without its beats, and how the fish deviates from it."""
+
+    place: Array  # (S, 3) cm
+    angles: Array  # (S, 3) heading, pitch and roll
+    aside: Array  # (S, 3) cm, from the place to the fish, in the axes of these angles
+    askew: Array  # (S, 4) from these axes to those of the fish
 
 
 class Lead(NamedTuple):
@@ -151,7 +162,7 @@ def close(
     poses = np.concatenate([table, *(take.simulated for take in takes)])
     times = np.arange(-begin, len(film)) / rate
     back = np.arange(len(home) - 1, -1, -1) / rate  # seconds to the first frame
-    late = smoothstep(-back, -POSE_S, 0.0)
+    late = _pose_share(back)
     speed, blends = np.full(number, np.nan), [np.zeros((0, *table.shape[1:]), np.float32)]
     for i in np.flatnonzero(np.isfinite(rows[:, :, 0]).all(axis=0)).tolist():
         known = rows[: begin + len(film), i].astype(np.float64)
@@ -259,30 +270,110 @@ def _eased(own: Array, known: Array, times: Array, back: Array) -> tuple[Array, 
     """Ease a fish (S, 30), `back` seconds before its first frame, to its lead-in.
 
     `known` (T, 30) is the fish at `times` of run-up and film. Return also the greatest speed of
-    that, cm/s.
+    that, cm/s. Only courses are mixed. A recoil or a sharp turn belongs to the pose in which a fish
+    makes it, so deviations from the course follow the pose: those of the lead-in come at the end.
     """
     rate = 1.0 / (back[0] - back[1])
-    before = Lead(known[:, POSITION], times)
-    lead = np.array([before.before(left) for left in back])
-    turned = np.array([_turn_before(known[:, ORIENTATION], times, left) for left in back])
+    here = _course(own[:, POSITION], own[:, ORIENTATION], rate)
+    there = _lead_course(known, times, back, rate)
     share = smoothstep(-back, -EASE_S, 0.0)[:, None]
-    way = own[:, POSITION]
     # A fish that would come late or beside its lead-in is moved a little all the way home.
-    far = (lead - way)[back <= EASE_S].mean(axis=0)
+    far = (there.place - here.place)[back <= EASE_S].mean(axis=0)
     shift = smoothstep(-back, -float(back[0]), -0.5 * EASE_S)[:, None]
-    path = way + shift * far + share * (lead - way - shift * far)
-    meant = (1.0 - share) * _velocity(way, rate) + share * _velocity(lead, rate)
+    path = here.place + shift * far + share * (there.place - here.place - shift * far)
+    meant = (1.0 - share) * _velocity(here.place, rate) + share * _velocity(there.place, rate)
     eased = np.linalg.norm(_velocity(path, rate) - meant, axis=1)
-    facing = _slerp(own[:, ORIENTATION], turned, share)
-    # In the axes of its body its ways can be mixed even if they are opposite in the world.
-    ahead = (1.0 - share) * _in_body(own[:, ORIENTATION], _velocity(way, rate))
-    ahead += share * _in_body(turned, _velocity(lead, rate))
-    axes = matrix(facing)
-    along = (axes @ ahead[:, :, None])[..., 0]
+    axes = _axes(_eased_angles(here, there, share, path, back))
+    late = _pose_share(back)[:, None]
+    aside = here.aside + late * (there.aside - here.aside)
     out = own.copy()
-    out[:, POSITION] = path
-    out[:, ORIENTATION] = from_matrix(_turning(along, _velocity(path, rate)) @ axes)
+    out[:, POSITION] = path + (axes @ aside[:, :, None])[..., 0]
+    out[:, ORIENTATION] = from_matrix(axes @ matrix(_slerp(here.askew, there.askew, late)))
     return out, float(eased.max())
+
+
+def _eased_angles(
+    here: FishCourse, there: FishCourse, share: Array, path: Array, back: Array
+) -> Array:
+    """Compute the angles (S, 3) of a fish on its eased path (S, 3), so that it slips no more.
+
+    Where the way home and the lead-in are opposite, the path turns at once, but the fish turns over
+    TURN_ROUND_S before and after.
+    """
+    rate = 1.0 / (back[0] - back[1])
+    away = np.unwrap(there.angles - here.angles, axis=0)
+    middle = int(share[:, 0].searchsorted(0.5))
+    away -= 2.0 * np.pi * np.round(away[middle] / (2.0 * np.pi))
+    angles = here.angles + share * away
+    # In the axes of its body its ways can be mixed even if they are opposite in the world.
+    ahead = (1.0 - share) * _in_body(_axes(here.angles), _velocity(here.place, rate))
+    ahead += share * _in_body(_axes(there.angles), _velocity(there.place, rate))
+    way, meant = _velocity(path, rate), (_axes(angles) @ ahead[:, :, None])[..., 0]
+    angles[:, :2] += _direction_change(meant, way)
+    change = np.unwrap(angles - here.angles, axis=0)
+    slowly = _smoothed(change, TURN_ROUND_S, rate)
+    late = smoothstep(-back, -TURN_ROUND_S, 0.0)[:, None]
+    return np.asarray(here.angles + slowly + late * (change - slowly))
+
+
+def _direction_change(one: Array, other: Array) -> Array:
+    """Compute changes of heading and pitch (S, 2) from ways (S, 3) to others, less if slow."""
+    flat = np.minimum(*(np.hypot(way[:, 0], way[:, 1]) for way in (one, other)))
+    speed = np.minimum(*(np.linalg.norm(way, axis=1) for way in (one, other)))
+    heading = np.arctan2(other[:, 1], other[:, 0]) - np.arctan2(one[:, 1], one[:, 0])
+    heading = (heading + np.pi) % (2.0 * np.pi) - np.pi
+    pitch = np.arcsin(_unit(other)[:, 2]) - np.arcsin(_unit(one)[:, 2])
+    shares = smoothstep(np.stack([flat, speed], axis=1), *STILL_CM_S)
+    return np.asarray(shares * np.stack([heading, pitch], axis=1))
+
+
+def _pose_share(back: Array) -> Array:
+    """Return the share (S,) of the lead-in's pose, `back` seconds before the first frame."""
+    return np.asarray(smoothstep(-back, -POSE_S, 0.0))
+
+
+def _course(places: Array, turns: Array, rate: float) -> FishCourse:
+    """Separate the course of a fish from its beats and sharp turns, with places (S, 3), cm."""
+    place, angles = (_smoothed(values, COURSE_S, rate) for values in (places, _angles(turns)))
+    axes = _axes(angles)
+    askew = from_matrix(np.swapaxes(axes, 1, 2) @ matrix(turns))
+    return FishCourse(place, angles, _in_body(axes, places - place), askew)
+
+
+def _smoothed(values: Array, seconds: float, rate: float) -> Array:
+    """Smooth values (S, n) over some seconds before and after each; they go on at both ends."""
+    reach = max(round(seconds * rate), 1)
+    weights = np.bartlett(2 * reach + 3)[1:-1]
+    padded = np.pad(values, ((reach, reach), (0, 0)), mode="reflect", reflect_type="odd")
+    columns = [np.convolve(one, weights / weights.sum(), "valid") for one in padded.T]
+    return np.stack(columns, axis=1)
+
+
+def _lead_course(known: Array, times: Array, back: Array, rate: float) -> FishCourse:
+    """Compute the course of a lead-in `back` (S,) seconds before the first frame."""
+    beyond = -np.arange(1, round(COURSE_S * rate) + 1) / rate  # some of the film shapes its end
+    moments = np.concatenate([back, beyond])
+    places = Lead(known[:, POSITION], times)
+    turns = np.array([_turn_before(known[:, ORIENTATION], times, left) for left in moments])
+    whole = _course(np.array([places.before(left) for left in moments]), turns, rate)
+    return FishCourse(*(values[: len(back)] for values in whole))
+
+
+def _angles(turns: Array) -> Array:
+    """Compute heading, pitch and roll (S, 3) of rotations (S, 4), without jumps."""
+    ahead, up, right = np.moveaxis(matrix(turns), 2, 0)
+    heading, pitch = np.arctan2(ahead[:, 1], ahead[:, 0]), np.arcsin(ahead[:, 2].clip(-1.0, 1.0))
+    roll = np.arctan2(-right[:, 2], up[:, 2])
+    return np.unwrap(np.stack([heading, pitch, roll], axis=1), axis=0)
+
+
+def _axes(angles: Array) -> Array:
+    """Compute the body axes (S, 3, 3), as columns, of heading, pitch and roll (S, 3)."""
+    (a, b, c), (p, q, r) = np.cos(angles.T), np.sin(angles.T)
+    ahead = np.stack([b * a, b * p, q], axis=1)
+    level, right = np.stack([-q * a, -q * p, b], axis=1), np.stack([p, -a, 0.0 * a], axis=1)
+    c, r = c[:, None], r[:, None]
+    return np.stack([ahead, c * level + r * right, c * right - r * level], axis=2)
 
 
 def _turn_before(turns: Array, times: Array, seconds: float) -> Array:
@@ -322,25 +413,13 @@ def _slerp(one: Array, other: Array, share: Array) -> Array:
     return np.asarray(mixed / np.linalg.norm(mixed, axis=1, keepdims=True))
 
 
-def _in_body(turns: Array, ways: Array) -> Array:
-    """Turn ways (S, 3) of the world into the axes of bodies with rotations (S, 4)."""
-    return np.asarray((ways[:, None] @ matrix(turns))[:, 0])
+def _in_body(axes: Array, ways: Array) -> Array:
+    """Turn ways (S, 3) of the world into the axes (S, 3, 3) of bodies."""
+    return np.asarray((ways[:, None] @ axes)[:, 0])
 
 
 def _velocity(places: Array, rate: float) -> Array:
     return np.asarray(np.gradient(places, axis=0) * rate)
-
-
-def _turning(one: Array, other: Array) -> Array:
-    """Compute the rotations (S, 3, 3) from directions to others (S, 3), less if either is slow."""
-    lengths = [np.linalg.norm(way, axis=1) for way in (one, other)]
-    a, b = _unit(one), _unit(other)
-    across = np.cross(a, b)
-    sine = np.linalg.norm(across, axis=1)
-    angle = np.arctan2(sine, (a * b).sum(axis=1)) * smoothstep(np.minimum(*lengths), *STILL_CM_S)
-    axis = across / np.maximum(sine, 1e-12)[:, None]
-    half = 0.5 * angle[:, None]
-    return matrix(np.concatenate([np.cos(half), np.sin(half) * axis], axis=1))
 
 
 def _unit(ways: Array) -> Array:

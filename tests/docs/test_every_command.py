@@ -194,7 +194,8 @@ class Workshop:
         for name in ("assets", "repertoires"):
             (folder / name).symlink_to(ROOT / name)
         (folder / "docs").mkdir()
-        (folder / "docs/studies").symlink_to(ROOT / "docs/studies")
+        for name in ("studies", "outlines"):
+            (folder / "docs" / name).symlink_to(ROOT / "docs" / name)
         for name in ("made", "my", "some", "kept"):
             (folder / name).mkdir()
         (folder / "sea.toml").write_text(SEA)
@@ -227,7 +228,7 @@ class Workshop:
     def _species(self, own):
         (own / "species").mkdir(parents=True)
         (own / "repertoires").mkdir()
-        for name in ("my_fish", "my_guppy"):
+        for name in ("my_fish", "my_guppy", "my_tuna"):
             shutil.copy(ROOT / "assets/species/moon_wrasse.toml", own / f"species/{name}.toml")
             motion = replace(read_repertoire(ROOT / "repertoires/moon_wrasse.h5"), species=name)
             write_repertoire(own / f"repertoires/{name}.h5", motion)

@@ -11,6 +11,7 @@ import threading
 from dataclasses import replace
 from html import unescape
 from io import BytesIO
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -295,7 +296,9 @@ def test_a_loop_goes_on_without_a_seam(opened):
 
 @pytest.mark.nightly
 def test_light_falls_in_the_shafts_of_the_dive(written, opened):
-    """The map of light about the sun is the one that the dive's renderer has drawn."""
+    """With as many samples, the map of light about the sun is the one of the dive's renderer."""
+    samples = PRESETS["medium"].shafts
+    opened.run(f"viewer.water.uniforms.u_samples.value = {samples}; 0")
     opened.run(f"viewer.seek({(FRAMES - 1) / FPS}); viewer.draw()")
     values = opened.run(
         """(async () => {
@@ -306,9 +309,38 @@ def test_light_falls_in_the_shafts_of_the_dive(written, opened):
     )
     shafts = np.array(values).reshape(16, 320)
     assert np.ptp(written.shafts) > 0.05
-    assert np.corrcoef(shafts.ravel(), written.shafts.ravel())[0, 1] > 0.9
-    # The page looks at twice as many places along each ray.
-    assert np.abs(shafts - written.shafts).mean() < 0.45 * np.abs(written.shafts).mean()
+    # Browsers and drivers make their own mipmaps of the light that waves gather.
+    assert np.abs(shafts - written.shafts).mean() < 0.05 * np.abs(written.shafts).mean()
+
+
+BOXES = """JSON.stringify(["header", "nav", "#caption", "footer"].map(one => {
+  const part = document.querySelector(one), box = part.getBoundingClientRect();
+  return [box.left, box.top, box.right, box.bottom, part.scrollWidth - part.clientWidth];
+}))"""
+
+
+def test_nothing_covers_anything_else_in_a_small_window(opened):
+    """On a phone, upright and on its side, and on a tablet, with all that can be unfolded."""
+    opened.run("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    opened.run(f"document.getElementById('caption').textContent = '{'Here they come. ' * 5}'")
+    try:
+        for width, height in ((390, 844), (844, 390), (1024, 768)):
+            opened.size(width, height)
+            opened.until(f"innerWidth === {width}")
+            boxes = np.array(json.loads(opened.run(BOXES)))
+            assert (boxes[:, :2] >= 0).all() and (boxes[:, 4] <= 0).all()
+            assert (boxes[:, 2] <= width).all() and (boxes[:, 3] <= height).all()
+            first, other = (np.array(pair) for pair in zip(*combinations(boxes, 2), strict=True))
+            least = np.minimum(first[:, 2:4], other[:, 2:4])
+            gaps = np.maximum(first[:, :2], other[:, :2]) - least
+            assert (gaps.max(axis=1) >= 0).all()
+            # A window narrower than the film shows more above and below.
+            seen = opened.run("[viewer.camera.aspect, viewer.camera.fov, viewer.filmed.fov]")
+            aspect, shown, filmed = seen[0], *np.tan(np.radians(seen[1:]) / 2)
+            narrow = SIZE[0] / SIZE[1] / aspect
+            assert shown / filmed == pytest.approx(np.sqrt(max(narrow, 1.0)), rel=1e-3)
+    finally:
+        opened.size(*SIZE)
 
 
 def test_it_speaks_the_language_of_the_browser(page, site):

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from fractions import Fraction
 
+import av
 import numpy as np
 import OpenEXR
 import pytest
@@ -55,6 +56,32 @@ def test_channels_and_attributes_come_back(tmp_path):
     assert found["framesPerSecond"] == Fraction(24000, 1001)
     assert found["chromaticities"] == pytest.approx(header["chromaticities"])
     assert [path.name for path in tmp_path.iterdir()] == ["a.exr"]
+
+
+@pytest.mark.parametrize("layer", ["", "veil", "subject", "CryptoFish00"])
+def test_ffmpeg_reads_every_layer_of_a_sequence(tmp_path, layer):
+    """PyAV holds the decoders of ffmpeg: a sequence has its rate, and each value its bits."""
+    rng, prefix = np.random.default_rng(1), f"{layer}." if layer else ""
+    exact = np.float32 if layer.startswith("Crypto") else np.float16
+    names = [f"{one}{colour}" for one in ("", "veil.", "subject.", "CryptoFish00.")
+             for colour in "RGBA" if f"{one}{colour}" != "veil.A"]  # fmt: skip
+    frames = []
+    for k in range(2):
+        kinds = [np.float32 if name.startswith("Crypto") else np.float16 for name in names]
+        values = [rng.random((6, 32)).astype(kind) for kind in kinds]
+        channels = dict(zip(names, values, strict=True)) | {"Z": np.ones((6, 32), np.float32)}
+        write_exr(tmp_path / f"frame_{k:05}.exr", channels, picture_header(Fraction(24), k))
+        frames.append(channels)
+    options = {"framerate": "24"}
+    with av.open(str(tmp_path / "frame_%05d.exr"), format="image2", options=options) as film:
+        stream = film.streams.video[0]
+        stream.codec_context.options = {"layer": layer} if layer else {}
+        shown = list(film.decode(stream))
+    assert stream.average_rate == 24 and len(shown) == 2
+    for picture, channels in zip(shown, frames, strict=True):
+        for plane, colour in zip(picture.planes, "GBRA", strict=False):
+            rows = np.frombuffer(plane, exact).reshape(6, -1)[:, :32]
+            np.testing.assert_array_equal(rows, channels[prefix + colour])
 
 
 LIMITED = """

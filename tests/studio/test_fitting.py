@@ -9,7 +9,9 @@ import pytest
 from msgspec import structs
 
 from subsea.base.errors import UserError
+from subsea.base.system import resource_path
 from subsea.fish import sheet_layout
+from subsea.fish.outline_file import read_outline
 from subsea.fish.species import load_species
 from subsea.studio.deformable_mesh import copy_meshes, transform
 from subsea.studio.dress import GOOD
@@ -22,7 +24,7 @@ from subsea.studio.fitting import (
     silhouette,
 )
 from subsea.studio.lift import lift_sheet, mesh_mask
-from subsea.studio.photograph import Photograph
+from subsea.studio.photograph import Photograph, read_photograph
 from subsea.studio.side_view import (
     centred_matrix,
     make_fish_meshes,
@@ -91,6 +93,24 @@ def test_opacity_segments_the_fish(clownfish_photo):
         colour=np.full_like(photograph.colour, 90), opacity=np.where(truth, 255, 0).astype(np.uint8)
     )
     assert outline_error(find_fish(cut, plan).meshes, truth) < 0.01
+
+
+@pytest.mark.nightly
+def test_the_shipped_photograph_dresses_the_tuna_of_its_outline():
+    """A real fish: its dark back, the blue line below, its white flank and its eye come out."""
+    outlines = resource_path("docs/outlines")
+    photograph = read_photograph(outlines / "tuna.webp")
+    surface = read_outline(outlines / "tuna.toml", None, None)
+    found = find_fish(photograph, surface)
+    assert found.likeness > 0.85
+    assert outline_error(found.meshes, photograph.opacity > 127) < 0.01
+    fusilier = load_species("fusilier")
+    skin = structs.replace(fusilier.skin, dorsal=None, ventral=None)
+    tuna = structs.replace(fusilier, surface=surface, skin=skin)
+    sheet = lift_sheet(photograph.colour, found.meshes, tuna, found.mask)
+    column = sheet[: int(sheet_layout.BODY.top * sheet_layout.SIZE[1]), 512, :3].mean(axis=1)
+    back, flank = column[410:440].mean(), column[200:300].mean()
+    assert back < 60.0 < 2.0 * back + 60.0 < flank
 
 
 def test_no_fish_is_a_one_line_error(clownfish_photo):

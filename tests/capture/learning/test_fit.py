@@ -5,10 +5,11 @@ import pytest
 
 from capture.cli.main import main
 from capture.learning import fit
-from capture.learning.lifelike import wave_loss
+from capture.learning.lifelike import bent_turn, wave_loss
 from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import build_body
+from subsea.biomechanics.together import swim_course
 from subsea.fish.outline_file import read_outline
 from subsea.fish.scaffold import fit_scaffold
 from subsea.fish.species import Species, load_species, own_species_file
@@ -30,7 +31,7 @@ def home(monkeypatch, tmp_path):
 
 @pytest.fixture
 def drafted(monkeypatch, home):
-    """Species that would be searched, without the search."""
+    """Species that would be searched, without the search; two shipped bodies are tried."""
     found = []
 
     def learn_plans(plans, jobs, dry_run, force, progress):
@@ -38,6 +39,7 @@ def drafted(monkeypatch, home):
         return False
 
     monkeypatch.setattr(fit, "learn_plans", learn_plans)
+    monkeypatch.setattr(fit, "muscular_names", lambda: ("blacktip_reef_shark", "fusilier"))
     return found
 
 
@@ -55,6 +57,15 @@ def test_a_search_begins_with_a_plain_fish_of_the_outline(drafted):
     fusilier = load_species("fusilier")
     plain = fit_scaffold(species.surface)
     assert loss < wave_loss(build_body(plain), fusilier.swim, "fast", 1)
+
+
+def test_a_slender_fish_begins_with_a_body_that_bends(drafted):
+    """At the width of usual bodies a barracuda loses its shape where it bends to turn."""
+    assert main(["fit", outline("barracuda"), "--name", "my_barracuda"]) == 1
+    (task,) = drafted
+    usual = fit_scaffold(task.species.surface)
+    assert max(task.species.body.half_widths) < 0.9 * max(usual.half_widths)
+    assert swim_course(bent_turn(build_body(task.species.body))) > 20.0
 
 
 def test_forms_have_what_they_need(drafted, capsys):
@@ -118,6 +129,6 @@ def test_seven_outlines_swim_and_turn_to_both_sides(name, form, home):
     assert set(BASIC_SEGMENTS) <= set(found)
     speeds = [found[f"swim_{grade}"].speed_cm_s for grade in ("slow", "medium", "fast")]
     assert (np.diff(speeds) > 0).all() and speeds[2] > 0.4 * repertoire.body_length_cm
-    for grade in ("gradual", "sharp"):
-        assert found[f"turn_left_{grade}"].turn_deg > 5.0
-        assert found[f"turn_right_{grade}"].turn_deg < -5.0
+    for grade, least in (("gradual", 10.0), ("sharp", 60.0)):
+        assert found[f"turn_left_{grade}"].turn_deg > least
+        assert found[f"turn_right_{grade}"].turn_deg < -least
