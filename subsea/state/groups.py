@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
-from subsea.geometry.solids import CELLS, RANGES_CM
+from subsea.geometry.solids import CELLS, RANGES_CM, REACHES_CM, SQUARES
 from subsea.kernels.struct_ref import Kind, by_pointer
 from subsea.scenario.school_rules import MAX_RULES
 from subsea.state.codes import (
@@ -387,6 +387,11 @@ class Sea(NamedTuple):
         F32,
         creation(len(RANGES_CM), CELLS, CELLS, unit="cm", start=NEVER),
         "height above which no rock is near: see `geometry/solids.py`",
+    ]
+    skyline: Annotated[
+        F32,
+        creation(len(REACHES_CM), SQUARES, SQUARES, unit="cm", start=NEVER),
+        "height above which neither solid nor seabed is near",
     ]
     climate: Annotated[
         F64, creation(4), "°C at the surface and at a depth, that depth, 1/e depth of light, cm"
