@@ -168,8 +168,8 @@ ROOM_CM = 1.0  # above the rounding of rays and of the heights
 def skyline_of(heights: Array, half_width: float, pillars: Array, rocks: Array) -> Array:
     """Heights (r, n, n) float32 above which nothing stands within a level distance, cm.
 
-    That is no pillar (k, 4), no rock (k, 7) and no seabed `heights` (m, m). The distances from any
-    point of n x n cells of the square [-w, w]², rows along y, are REACHES_CM (r,).
+    Neither pillars (k, 4) and rocks (k, 7) nor the seabed `heights` (m, m) reach above them within
+    REACHES_CM (r,) of any point of a cell. The n x n cells cover the square [-w, w]², rows along y.
     """
     skyline = np.empty((len(REACHES_CM), SQUARES, SQUARES), np.float32)
     side, step = 2.0 * half_width / SQUARES, 2.0 * half_width / (len(heights) - 1)

@@ -124,9 +124,7 @@ class Fishes(NamedTuple):
     breath: Annotated[F32, motor("n", unit="rad"), "phase of breathing"]
     fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "columns SWEEP_LEFT to LAG"]
     previous_fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "one tick ago"]
-    rested: Annotated[
-        I8, motor("n", unit="tick", within=(0, 127)), "since its fins and breath last moved"
-    ]
+    rested: Annotated[I8, motor("n", unit="tick", within=(0, 127)), "since its fins last moved"]
     monotony: Annotated[F32, motor("n", unit="s"), "time in the same segment"]
     recommended: Annotated[
         I8,

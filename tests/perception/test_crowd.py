@@ -31,7 +31,7 @@ NUMBERS = (0, 1, 7, 8, 9, 64, 65, 520)
 
 
 def school(tank, seed, n):
-    """n fishes of several sizes and speeds, of which every ninth is dead."""
+    """Make n fishes of several sizes and speeds; every ninth is dead."""
     rng, t = np.random.default_rng(seed), tank(max(n, 1))
     fishes = t.fishes
     fishes.alive[:] = np.arange(max(n, 1)) % 9 < (8 if n else 0)
