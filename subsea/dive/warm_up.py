@@ -121,7 +121,7 @@ def _motion() -> None:
     release_catches(odour, world.state.fishes.position[:1])
     carry_odours(odour, world.state.sea.radius, world.flow(), TICK_S)
     smell(everyone, world.state.fishes, world.state.minds, odour)
-    step.move_fishes(world, everyone, CLOCK)
+    step.move_fishes(world, everyone, turn.flapping, CLOCK)
     step.steer(world, world.state.submarine, NEUTRAL)
     keep_clear(np.zeros(3), np.zeros(3), world.state.sea)  # as a tour does
     hull_axes(*world.state.submarine.angles)

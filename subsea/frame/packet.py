@@ -22,6 +22,7 @@ from subsea.frame.in_sight import (
 from subsea.habitat.day import hour_at
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
+from subsea.motor.fins import fins_at
 from subsea.motor.pose import pose_at
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import UNGRADED, Grade, Water
@@ -243,7 +244,11 @@ def pack(
     specks, bounds = plankton_in_sight(
         state.sea.plankton, state.sea.absent, arrays, options.culling
     )
-    instances = _instances(world, centres, order, shares, alpha)
+    tiny = np.zeros(len(order), np.bool_)
+    for own in starts:
+        for k in range(0, len(own) - 1, len(LEVELS)):  # the coarsest level comes first
+            tiny[own[k] : own[k + 1]] = True
+    instances = _instances(world, centres, (order, shares, tiny), alpha)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
@@ -284,7 +289,8 @@ def instances_of(world: World, who: Ints, alpha: float) -> Array:
     """Write the instances (k, 30) of fishes (k,), in sight or not, and the poses of live ones."""
     fishes = world.state.fishes
     centres = _centres(fishes, alpha)
-    instances = _instances(world, centres, who, np.zeros(len(who)), alpha)
+    drawn = who, np.zeros(len(who)), np.zeros(len(who), np.bool_)
+    instances = _instances(world, centres, drawn, alpha)
     _skin_live(world, who)
     return instances
 
@@ -294,10 +300,12 @@ def _centres(fishes: Fishes, alpha: float) -> Array:
     return np.asarray(before + np.float32(alpha) * (fishes.position - before))
 
 
-def _instances(world: World, centres: Array, order: Ints, shares: Array, alpha: float) -> Array:
-    instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
-    groups = world.state.fishes, world.library, centres, order, shares, alpha, instances
-    share(_write_instances, np.arange(len(order)), LEAST_PART, *groups)
+def _instances(
+    world: World, centres: Array, drawn: tuple[Ints, Array, Bools], alpha: float
+) -> Array:
+    instances = np.empty((len(drawn[0]), INSTANCE_COLUMNS), np.float32)
+    groups = world.state.fishes, world.library, centres, drawn, alpha, instances
+    share(_write_instances, np.arange(len(instances)), LEAST_PART, *groups)
     return instances
 
 
@@ -373,9 +381,12 @@ def _skin_live(world: World, order: Ints) -> Array:
 
 @kernel
 def _write_instances(
-    rows: Ints, fishes: Fishes, library: Library, centres: Array, order: Ints, shares: Array,
-    alpha: float, out: Array,
+    rows: Ints, fishes: Fishes, library: Library, centres: Array,
+    drawn: tuple[Ints, Array, Bools], alpha: float, out: Array,
 ) -> None:  # fmt: skip
+    """Write the instances of the fishes `drawn`: who, their shares, and whether as specks."""
+    order, shares, tiny = drawn
+    phase = np.empty(fishes.fin_phase.shape[1], np.float32)
     # Element by element: results of whole rows would be allocated, and take seconds to compile.
     for k in rows:
         i, row = order[k], out[k]
@@ -396,9 +407,11 @@ def _write_instances(
         a, b, weight = pose_at(fishes, library, i, alpha)
         row[ROW_A], row[ROW_B], row[WEIGHT] = a, b, weight
         row[IDENTITY] = fishes.identity[i]
-        before, after = fishes.previous_fins[i], fishes.fins[i]
-        for fin in range(len(fins)):
-            fins[fin] = (1.0 - alpha) * before[fin] + alpha * after[fin]
+        if tiny[k] and fishes.rested[i] > 0:  # a speck shows slow fins alone
+            for fin in range(len(fins)):
+                fins[fin] = fishes.fins[i, fin]
+        else:
+            fins_at(fishes, library, i, alpha, fins, phase)
         row[KIND] = fishes.species[i]
         row[FADE] = shares[k]
         row[DISPLAY] = fishes.display[i]

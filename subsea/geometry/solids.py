@@ -118,18 +118,11 @@ def rock_tops(rocks: Array, half_width: float) -> Array:
     y; -inf where that is so at any height.
     """
     tops = np.full((len(RANGES_CM), CELLS, CELLS), np.float32(-np.inf))
-    side = 2.0 * half_width / CELLS
     for level in range(len(RANGES_CM)):
         for rock in rocks:
             size = SPARE * (1.0 + RANGES_CM[level] / min(rock[3], rock[4], rock[5]))
             wide, top = size * max(rock[3], rock[4]) + 1.0, rock[2] + size * rock[5] + 1.0
-            west = int(min(max((rock[0] - wide + half_width) / side, 0.0), CELLS))
-            east = int(min(max((rock[0] + wide + half_width) / side + 1.0, 0.0), CELLS))
-            south = int(min(max((rock[1] - wide + half_width) / side, 0.0), CELLS))
-            north = int(min(max((rock[1] + wide + half_width) / side + 1.0, 0.0), CELLS))
-            for row in range(south, north):
-                for column in range(west, east):
-                    tops[level, row, column] = max(tops[level, row, column], np.float32(top))
+            _raise(tops[level], half_width, rock, wide, top)
     return tops
 
 
@@ -165,6 +158,107 @@ def misses_rocks(tops: Array, half_width: float, a: Vector, b: Vector) -> bool:
     return True
 
 
+# Heights above which nothing at all stands are kept for finer cells, and for these distances, cm.
+REACHES_CM = (40.0, 160.0)
+SQUARES = 128  # along each side of the sea
+ROOM_CM = 1.0  # above the rounding of rays and of the heights
+
+
+@kernel
+def skyline_of(heights: Array, half_width: float, pillars: Array, rocks: Array) -> Array:
+    """Heights (r, n, n) float32 above which nothing stands within a level distance, cm.
+
+    Neither pillars (k, 4) and rocks (k, 7) nor the seabed `heights` (m, m) reach above them within
+    REACHES_CM (r,) of any point of a cell. The n x n cells cover the square [-w, w]², rows along y.
+    """
+    skyline = np.empty((len(REACHES_CM), SQUARES, SQUARES), np.float32)
+    side, step = 2.0 * half_width / SQUARES, 2.0 * half_width / (len(heights) - 1)
+    for level in range(len(REACHES_CM)):
+        reach = REACHES_CM[level] + ROOM_CM
+        first, last = np.empty(SQUARES, np.int64), np.empty(SQUARES, np.int64)  # samples of a cell
+        for cell in range(SQUARES):
+            first[cell] = max(int((cell * side - reach) / step), 0)
+            last[cell] = min(int(((cell + 1) * side + reach) / step) + 1, len(heights) - 1)
+        for row in range(SQUARES):
+            for column in range(SQUARES):
+                top = -np.inf
+                for i in range(first[row], last[row] + 1):
+                    for j in range(first[column], last[column] + 1):
+                        top = max(top, heights[i, j])
+                skyline[level, row, column] = top + ROOM_CM
+        for pillar in pillars:
+            _raise(skyline[level], half_width, pillar, pillar[2] + reach, pillar[3] + ROOM_CM)
+        for rock in rocks:
+            wide, top = max(rock[3], rock[4]), rock[2] + rock[5]
+            _raise(skyline[level], half_width, rock, wide + reach, top + ROOM_CM)
+    return skyline
+
+
+@kernel
+def _raise(tops: Array, half_width: float, middle: Array, wide: float, top: float) -> None:
+    """Raise `tops` (n, n) to `top` in all cells within `wide` cm of x and y of a `middle`."""
+    n = len(tops)
+    side = 2.0 * half_width / n
+    west = int(min(max((middle[0] - wide + half_width) / side, 0.0), n))
+    east = int(min(max((middle[0] + wide + half_width) / side + 1.0, 0.0), n))
+    south = int(min(max((middle[1] - wide + half_width) / side, 0.0), n))
+    north = int(min(max((middle[1] + wide + half_width) / side + 1.0, 0.0), n))
+    for row in range(south, north):
+        for column in range(west, east):
+            tops[row, column] = max(tops[row, column], np.float32(top))
+
+
+@kernel
+def is_over_all(skyline: Array, half_width: float, p: Vector, reach: float) -> bool:
+    """True if surely no pillar, rock or seabed is within `reach` cm of p, by one look.
+
+    `skyline` is that of `skyline_of`. False for many places near solids and for large reaches.
+    """
+    if reach > REACHES_CM[1]:
+        return False
+    level = 0 if reach <= REACHES_CM[0] else 1
+    return _is_above(skyline[level], half_width, p, p[2] - reach)
+
+
+@kernel
+def _is_above(tops: Array, half_width: float, p: Vector, lowest: float) -> bool:
+    """True if a height is above `tops` (n, n) at x and y of p; False beyond their square."""
+    n = len(tops)
+    per_cm = 0.5 * n / half_width
+    x, y = (p[0] + half_width) * per_cm, (p[1] + half_width) * per_cm
+    return bool(0.0 <= x < n and 0.0 <= y < n and lowest > tops[int(y), int(x)])
+
+
+@kernel
+def passes_over_all(skyline: Array, half_width: float, a: Vector, b: Vector) -> bool:
+    """True if the straight way from a to b surely meets no pillar, rock or seabed, by few looks.
+
+    `skyline` is that of `skyline_of`. A long part that may meet something is looked at again in
+    shorter ones. False for many ways near solids that meet none.
+    """
+    level = math.sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]))
+    parts = int(level / (2.0 * REACHES_CM[1])) + 1
+    pieces = int(level / parts / (2.0 * REACHES_CM[0])) + 1
+    for part in range(parts):
+        if _part_is_above(skyline[1], half_width, a, b, (part, parts)):
+            continue
+        for piece in range(part * pieces, (part + 1) * pieces):
+            if not _part_is_above(skyline[0], half_width, a, b, (piece, parts * pieces)):
+                return False
+    return True
+
+
+@kernel
+def _part_is_above(
+    tops: Array, half_width: float, a: Vector, b: Vector, part: tuple[int, int]
+) -> bool:
+    """True if a part of the way from a to b, its number and that of all, is above `tops` (n, n)."""
+    share, half = (part[0] + 0.5) / part[1], 0.5 / part[1]
+    way = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    middle = (a[0] + share * way[0], a[1] + share * way[1], a[2] + share * way[2])
+    return _is_above(tops, half_width, middle, middle[2] - half * abs(way[2]))
+
+
 @kernel
 def ray_meets_pillar(pillar: Array, margin: float, a: Vector, b: Vector) -> float:
     """The t at which a + t (b - a), t in [0, 1], enters a pillar enlarged by `margin` cm.
@@ -193,9 +287,10 @@ def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
 
     0 if a lies inside, NEVER if the ray misses.
     """
-    # Reject most rocks by a box before the rotation.
-    reach = max(rock[3], rock[4], rock[5]) + margin + NEARLY_CM
+    # Reject most rocks by an upright box before the rotation.
+    wide, tall = max(rock[3], rock[4]) + margin + NEARLY_CM, rock[5] + margin + NEARLY_CM
     for axis in range(3):
+        reach = wide if axis < 2 else tall
         if min(a[axis], b[axis]) - rock[axis] > reach or rock[axis] - max(a[axis], b[axis]) > reach:
             return NEVER
     c, s = math.cos(rock[6]), math.sin(rock[6])

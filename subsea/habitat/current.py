@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_turned_rock
+from subsea.geometry.solids import from_pillar, from_turned_rock
 from subsea.geometry.vector import (
     ZERO,
     Vector,
@@ -17,15 +17,15 @@ from subsea.geometry.vector import (
     unit,
     vector,
 )
-from subsea.habitat.rocks import RockCells, rocks_near
+from subsea.habitat.rocks import COSINE, FELT_CM, SINE, WIDE, RockCells, is_felt, rocks_near
 from subsea.kernels import kernel
 from subsea.state import HULL_CM, Fishes, Sea
 
 PERIOD_S = 14.0
 STILL = 0.0, 0.0
 SOURCE_CM = 40.0  # distance at which a source cancels the current: no water flows in
-SPAN = 5.0  # multiple of it at which a source has 4% of its strength and is left out
-REACH_CM = 1.5 * SPAN * SOURCE_CM  # from the box of a rock: far away `from_rock` is too short
+SPAN = FELT_CM / SOURCE_CM  # multiple of it at which a source has 4% of its strength, and ends
+REACH_CM = 1.5 * FELT_CM  # from the box of a rock: far away `from_rock` is too short
 
 
 def flow_at(
@@ -54,21 +54,19 @@ def flow_near(pillars: Array, cells: RockCells, flow: Vector, p: Vector) -> Vect
     strength = np.sqrt(flow[0] * flow[0] + flow[1] * flow[1])
     if strength == 0.0:
         return flow
-    reach = SPAN * SOURCE_CM
     sent, total = ZERO, 0.0
     for k in range(len(pillars)):
         x, y, radius, top = pillars[k]
-        far = radius + reach
+        far = radius + FELT_CM
         if p[2] < top and abs(p[0] - x) < far and abs(p[1] - y) < far:
             way, gap = from_pillar((x, y, radius, np.inf), p)
             flow = plus(flow, times(_source(strength, gap), way))
     rocks = rocks_near(cells, p)
     for k in range(len(rocks)):
-        far = max(rocks[k, 3], rocks[k, 4]) + REACH_CM
-        if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
-            if far_from_rock(rocks[k], p, reach):
-                continue
-            way, gap = from_turned_rock(rocks[k], rocks[k, 7], rocks[k, 8], p)
+        far = rocks[k, WIDE] + REACH_CM
+        aside = abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far
+        if aside and is_felt(rocks[k], p):
+            way, gap = from_turned_rock(rocks[k], rocks[k, COSINE], rocks[k, SINE], p)
             speed = _source(strength, gap)
             sent, total = plus(sent, times(speed * speed, (way[0], way[1], 0.0))), total + speed
     return plus(flow, times(1.0 / total, sent)) if total > 0.0 else flow

@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.noise import uniform
-from subsea.geometry.solids import height_at
+from subsea.geometry.solids import height_at, is_over_all
 from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.habitat.contact import is_free
 from subsea.habitat.current import flow_near
@@ -123,10 +123,12 @@ def drift(who: Ints, sea: Sea, cells: RockCells, flow: Array, clock: Clock) -> N
             x, y = -0.98 * x, -0.98 * y
         floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
         there = (x, y, min(max(z, floor), -CLEARANCE_CM))
-        # A speck drawn into a solid by a mouth may leave it.
-        rocks = rocks_near(cells, there)
-        if is_free(sea.pillars, rocks, there) or not is_free(sea.pillars, rocks, here):
-            store(sea.plankton[k], there)
+        if not is_over_all(sea.skyline, sea.half_width, there, 0.0):
+            # A speck drawn into a solid by a mouth may leave it.
+            rocks = rocks_near(cells, there)
+            if not is_free(sea.pillars, rocks, there) and is_free(sea.pillars, rocks, here):
+                continue
+        store(sea.plankton[k], there)
 
 
 @kernel

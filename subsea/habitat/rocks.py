@@ -233,6 +233,9 @@ def _beam(along: float) -> float:
 
 CELL_CM = 200.0
 FEW = 8  # rocks that are faster gone through than looked up
+FELT_CM = 200.0  # gap from a rock within which it changes the current
+# Columns of `RockCells.near` behind the seven of a rock.
+COSINE, SINE, WIDE, WIDE_SQUARE, TALL_SQUARE, FELT, LISTED = range(7, 14)
 
 
 class RockCells(NamedTuple):
@@ -243,15 +246,15 @@ class RockCells(NamedTuple):
     columns: int
     rows: int
     first: Ints  # (cells + 1,) where the rocks of each cell begin in `near`
-    near: Array  # (m, 9) rows of `Sea.rocks`, of each cell in their order; all if they are few.
-    # The last two columns are the cosine and sine of the yaw.
+    near: Array  # (m, 13) rows of `Sea.rocks`, of each cell in their order; all if they are few.
+    # The other columns are cosine and sine of the yaw, and what `is_felt` needs.
 
 
 @kernel
 def rock_cells(rocks: Array, reach: float) -> RockCells:
     """List the `rocks` (k, 7) that are within `reach` cm of each cell, level and by their boxes."""
     if len(rocks) <= FEW:
-        few = np.empty((len(rocks), 9))
+        few = np.empty((len(rocks), LISTED))
         for k in range(len(rocks)):
             _list_rock(few[k], rocks[k])
         return RockCells(0.0, 0.0, 0, 0, np.zeros(1, np.int64), few)
@@ -275,7 +278,7 @@ def rock_cells(rocks: Array, reach: float) -> RockCells:
                 first[row * columns + column + 1] += 1
     for cell in range(columns * rows):
         first[cell + 1] += first[cell]
-    near, filled = np.empty((first[-1], 9)), first[:-1].copy()
+    near, filled = np.empty((first[-1], LISTED)), first[:-1].copy()
     for k in range(len(rocks)):
         for row in range(box[k, 2], box[k, 3] + 1):
             for column in range(box[k, 0], box[k, 1] + 1):
@@ -287,15 +290,27 @@ def rock_cells(rocks: Array, reach: float) -> RockCells:
 
 @kernel
 def _list_rock(row: Array, rock: Array) -> None:
-    """Write a rock (7,) and the cosine and sine of its yaw to `row` (9,)."""
+    """Write a rock (7,) and what follows from it to `row` (13,)."""
     for item in range(7):
         row[item] = rock[item]
-    row[7], row[8] = math.cos(rock[6]), math.sin(rock[6])
+    row[COSINE], row[SINE] = math.cos(rock[6]), math.sin(rock[6])
+    size = 1.0 + FELT_CM / min(rock[3], rock[4], rock[5])
+    wide = max(rock[3], rock[4])
+    wide_square, tall_square = wide * wide, rock[5] * rock[5]
+    row[WIDE], row[WIDE_SQUARE], row[TALL_SQUARE] = wide, wide_square, tall_square
+    row[FELT] = 1.000001 * size * size * wide_square * tall_square
+
+
+@kernel
+def is_felt(row: Array, p: Vector) -> bool:
+    """True if a listed rock (13,) may change the current at p: `far_from_rock`, prepared."""
+    x, y, z = p[0] - row[0], p[1] - row[1], p[2] - row[2]
+    return bool((x * x + y * y) * row[TALL_SQUARE] + z * z * row[WIDE_SQUARE] <= row[FELT])
 
 
 @kernel
 def rocks_near(cells: RockCells, p: Vector) -> Array:
-    """Rows (j, 9) of the rocks listed at p: all within the reach of the cells, and some farther."""
+    """Rows (j, 13) of the rocks at p: all within the reach of the cells, and some farther."""
     if cells.columns == 0:
         return cells.near
     x, y = (p[0] - cells.west) / CELL_CM, (p[1] - cells.south) / CELL_CM

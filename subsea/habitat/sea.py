@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
-from subsea.geometry.solids import height_at, rock_tops
+from subsea.geometry.solids import height_at, rock_tops, skyline_of
 from subsea.geometry.walls import is_wall, wall_rows
 from subsea.habitat import plankton
 from subsea.habitat.day import HOURS, daylight_at
@@ -56,6 +56,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[st
             "pillars": pillars,
             "rocks": rocks,
             "tops": rock_tops(rocks, width),
+            "skyline": skyline_of(heights, width, pillars, rocks),
             "climate": np.array([*water.temperature_c, bounds.depth_cm, water.light_depth_cm]),
             "plankton": specks,
             "sky": np.array([water.hour % HOURS, daylight_at(water.hour)]),

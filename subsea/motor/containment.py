@@ -18,6 +18,7 @@ from subsea.geometry.solids import (
     from_rock,
     height_at,
     is_far_from_rocks,
+    is_over_all,
 )
 from subsea.geometry.vector import Vector, minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
@@ -110,7 +111,11 @@ def contain(who: Ints, fishes: Fishes, nodes: Array, sea: Sea, dt: float) -> Non
 def _is_near(p: Vector, length: float, sea: Sea) -> bool:
     """True if a body with its middle at p may reach a barrier."""
     away = math.sqrt(p[0] * p[0] + p[1] * p[1])
-    if sea.radius - away < length or p[2] > -length or p[2] - length < sea.crest:
+    if sea.radius - away < length or p[2] > -length:
+        return True
+    if is_over_all(sea.skyline, sea.half_width, p, length):
+        return False
+    if p[2] - length < sea.crest:
         return True
     near = False
     for k in range(len(sea.pillars)):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.base.arrays import Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.biomechanics.solver import TICK_S
 from subsea.geometry.angles import sine_cosine, within_turn
 from subsea.kernels import kernel
@@ -72,7 +72,69 @@ WAVING_SPEED = 0.6  # share of the fast swim's: without rowing, a faster fish wa
 
 @kernel
 def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
-    """Advance fins and breath of the fishes `who` by one tick.
+    """Advance fins and breath of the fishes `who` by one tick."""
+    for i in who:
+        _flap_once(fishes, library, i, dt)
+
+
+@kernel
+def flap_in_turn(who: Ints, fishes: Fishes, library: Library, due: Bools, dt: float) -> None:
+    """Advance fins and breath of those of the fishes `who` that are `due` (n,); others rest.
+
+    A fish whose fins rested makes up for these ticks first.
+    """
+    for i in who:
+        rested = int(fishes.rested[i])
+        if due[i]:
+            if rested > 0:
+                _advance(fishes, library, i, rested * dt)
+                fishes.rested[i] = 0
+            _flap_once(fishes, library, i, dt)
+        elif fishes.alive[i]:
+            fishes.rested[i] = rested + 1
+
+
+@kernel
+def _flap_once(fishes: Fishes, library: Library, i: int, dt: float) -> None:
+    """Advance fins and breath of fish i by one tick."""
+    for column in range(fishes.fins.shape[1]):
+        fishes.previous_fins[i, column] = fishes.fins[i, column]
+    _advance(fishes, library, i, dt)
+
+
+@kernel
+def _advance(fishes: Fishes, library: Library, i: int, dt: float) -> None:
+    """Advance fins and breath of fish i by `dt` s."""
+    fins, phase, breath = fishes.fins[i], fishes.fin_phase[i], float(fishes.breath[i])
+    fishes.breath[i] = _beat(fishes, library, i, dt, fins, phase, breath)
+
+
+@kernel
+def fins_at(
+    fishes: Fishes, library: Library, i: int, alpha: float, fins: Array, phase: Array
+) -> None:
+    """Write the fins (columns,) float32 of fish i at share `alpha` of the present tick.
+
+    Fins that rest are drawn where they would be if they did not. `phase` (3,) float32 is memory.
+    """
+    before, after, rested = fishes.previous_fins[i], fishes.fins[i], int(fishes.rested[i])
+    if rested == 0:
+        for column in range(len(fins)):
+            fins[column] = (1.0 - alpha) * before[column] + alpha * after[column]
+        return
+    for column in range(len(fins)):
+        fins[column] = after[column]
+    for k in range(len(phase)):
+        phase[k] = fishes.fin_phase[i, k]
+    since_s = (rested - 1 + alpha) * TICK_S
+    _beat(fishes, library, i, since_s, fins, phase, float(fishes.breath[i]))
+
+
+@kernel
+def _beat(
+    fishes: Fishes, library: Library, i: int, dt: float, fins: Array, phase: Array, breath: float
+) -> float:
+    """Advance `fins` (columns,) and their `phase` (3,) of fish i by `dt` s; return its breath.
 
     Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
     each fin sweeps a cone forwards, or backwards on the inner side of a turn and on both sides to
@@ -80,100 +142,93 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
     fins: foremost at the beginning of the stroke, or highest if they flap. A hovering fish sculls
     with both alternately.
     """
-    for i in who:
-        fins = fishes.fins[i]
-        for column in range(len(fins)):
-            fishes.previous_fins[i, column] = fins[column]
-        steering = fishes.steering[i, 0]
-        effort = min((abs(steering) + abs(fishes.steering[i, 1])) / FULL_STEERING, 1.0)
-        speed = min(max(np.float64(fishes.goal_speed[i]), 0.0), 1.0)
-        turning = steering / FULL_STEERING + _turn_share(fishes, library, i)
-        turning = min(max(turning, -1.0), 1.0)
-        braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
+    steering = fishes.steering[i, 0]
+    effort = min((abs(steering) + abs(fishes.steering[i, 1])) / FULL_STEERING, 1.0)
+    speed = min(max(np.float64(fishes.goal_speed[i]), 0.0), 1.0)
+    turning = steering / FULL_STEERING + _turn_share(fishes, library, i)
+    turning = min(max(turning, -1.0), 1.0)
+    braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
-        # Oars beat faster in a faster fish (Tu B.2); other fins scull while it hovers.
-        busy = max(effort, speed if fishes.oars[i] else 1.0 - speed)
-        pace = 2.0 * np.pi * BEAT_HZ * (1.0 + 2.0 * busy)
-        beat = pace * fishes.size_rate[i] * dt
-        rows, stroke = _stroke(fishes, library, i)
-        low, high = BURST_TEMPO
-        burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
-        held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
-        lean = (1.0 - burst) * LEAN_RAD * turning
-        way = through_water(fishes, i) / max(float(fishes.fast[i]), 1e-3)
-        least, most = HOVER_SHARES
-        hover = (braking * max(1.0 - way / STILL, 0.0) - least) / (most - least)
-        hover = min(max(hover, 0.0), 1.0)
-        apart = fishes.fin_phase[i, 1] - fishes.fin_phase[i, 0]
-        gap = within_turn(hover * np.pi - apart + np.pi) - np.pi
-        abreast = min(2.0 * np.pi * ABREAST_HZ * dt, 1.0) * (1.0 - abs(turning))
-        fishes.fin_phase[i, 1] += abreast * gap
-        for side in range(2):
-            inner = max(turning, 0.0) if side == 0 else max(-turning, 0.0)
-            forwards = (1.0 - 2.0 * inner) * (1.0 - braking) - braking
-            turned = forwards if fishes.oars[i] else 1.0
-            phase = fishes.fin_phase[i, side] + turned * beat
-            fishes.fin_phase[i, side] = within_turn(phase)
-            sine, cosine = sine_cosine(phase)
-            if fishes.oars[i]:
-                kept = 1.0 - OAR_FOLDED * speed * speed
-                reach, lift = kept * OAR_RAD[0], kept * OAR_RAD[1] * cosine
-            else:
-                reach, lift = FLAP_RAD + EFFORT_RAD * effort, 0.0
-            reach = (1.0 - burst) * (reach + hover * (SCULL_RAD[0] - reach))
-            lift += hover * (SCULL_RAD[1] * 2.0 * sine * cosine - lift)
-            sweep = held + reach * sine + (lean if side == 0 else -lean)
-            flex = TWIST_S * pace * reach
-            flex += hover * (SCULL_TWIST_RAD - flex)
-            twist = turned * flex * cosine
-            if rows > 0.0:
-                middle, reach = ROW_RAD
-                rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
-                feather = 0.5 * FEATHER_RAD * (1.0 - np.sin(stroke))
-                if fishes.flaps[i]:
-                    rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
-                    feather = FLAP_TWIST_RAD[0] + FLAP_TWIST_RAD[1] * np.sin(stroke)
-                # The outer fin strokes, and the inner one brakes broadside.
-                rowing += inner * (BRAKE_RAD - rowing)
-                share = (1.0 - hover) * rows
-                sweep += share * (rowing - sweep)
-                lift += share * ((1.0 - inner) * raised - lift)
-                twist += share * ((1.0 - inner) * feather - twist)
-            fins[SWEEP_LEFT + side] = sweep
-            fins[LIFT_LEFT + side] = lift
-            fins[TWIST_LEFT + side] = twist
+    # Oars beat faster in a faster fish (Tu B.2); other fins scull while it hovers.
+    busy = max(effort, speed if fishes.oars[i] else 1.0 - speed)
+    pace = 2.0 * np.pi * BEAT_HZ * (1.0 + 2.0 * busy)
+    stride = pace * fishes.size_rate[i] * dt
+    rows, stroke = _stroke(fishes, library, i)
+    low, high = BURST_TEMPO
+    burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
+    held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
+    lean = (1.0 - burst) * LEAN_RAD * turning
+    way = through_water(fishes, i) / max(float(fishes.fast[i]), 1e-3)
+    least, most = HOVER_SHARES
+    hover = (braking * max(1.0 - way / STILL, 0.0) - least) / (most - least)
+    hover = min(max(hover, 0.0), 1.0)
+    apart = phase[1] - phase[0]
+    gap = within_turn(hover * np.pi - apart + np.pi) - np.pi
+    abreast = min(2.0 * np.pi * ABREAST_HZ * dt, 1.0) * (1.0 - abs(turning))
+    phase[1] += abreast * gap
+    for side in range(2):
+        inner = max(turning, 0.0) if side == 0 else max(-turning, 0.0)
+        forwards = (1.0 - 2.0 * inner) * (1.0 - braking) - braking
+        turned = forwards if fishes.oars[i] else 1.0
+        angle = phase[side] + turned * stride
+        phase[side] = within_turn(angle)
+        sine, cosine = sine_cosine(angle)
+        if fishes.oars[i]:
+            kept = 1.0 - OAR_FOLDED * speed * speed
+            reach, lift = kept * OAR_RAD[0], kept * OAR_RAD[1] * cosine
+        else:
+            reach, lift = FLAP_RAD + EFFORT_RAD * effort, 0.0
+        reach = (1.0 - burst) * (reach + hover * (SCULL_RAD[0] - reach))
+        lift += hover * (SCULL_RAD[1] * 2.0 * sine * cosine - lift)
+        sweep = held + reach * sine + (lean if side == 0 else -lean)
+        flex = TWIST_S * pace * reach
+        flex += hover * (SCULL_TWIST_RAD - flex)
+        twist = turned * flex * cosine
+        if rows > 0.0:
+            middle, reach = ROW_RAD
+            rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
+            feather = 0.5 * FEATHER_RAD * (1.0 - np.sin(stroke))
+            if fishes.flaps[i]:
+                rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
+                feather = FLAP_TWIST_RAD[0] + FLAP_TWIST_RAD[1] * np.sin(stroke)
+            # The outer fin strokes, and the inner one brakes broadside.
+            rowing += inner * (BRAKE_RAD - rowing)
+            share = (1.0 - hover) * rows
+            sweep += share * (rowing - sweep)
+            lift += share * ((1.0 - inner) * raised - lift)
+            twist += share * ((1.0 - inner) * feather - twist)
+        fins[SWEEP_LEFT + side] = sweep
+        fins[LIFT_LEFT + side] = lift
+        fins[TWIST_LEFT + side] = twist
 
-        panting = max(effort, speed)
-        breath = (
-            fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.size_rate[i] * (1.0 + panting) * dt
-        )
-        fishes.breath[i] = within_turn(breath)
-        fins[MOUTH] = max(GAPE * 0.5 * (1.0 - sine_cosine(breath)[1]), np.float64(fishes.gape[i]))
-        ease = min(EASE_HZ * (1.0 + BURST_EASE * burst) * dt, 1.0)
-        brake = (way - TOO_FAST[0] * speed - TOO_FAST[1]) / HARD_BRAKE
-        turn = max(abs(_turn_share(fishes, library, i)), abs(steering) / HARD_STEERING)
-        # The effort of a turn or of braking raises and spreads its fins.
-        effort = min(max(turn, brake, 0.0), 1.0)
-        _raise(fishes, i, speed, effort, burst, ease)
-        calm = max(rows, 1.0 - speed / WAVING_SPEED) * (1.0 - burst)
-        rate = WAVE_HZ[0] + (WAVE_HZ[1] - WAVE_HZ[0]) * max(effort, speed)
-        wide = WAVE * (LITTLE * (1.0 - burst) + (1.0 - LITTLE) * max(calm, 0.0))
-        if not library.has[fishes.species[i], ROW]:
-            wide *= STIFFER
-        _wave(fishes, i, wide, rate * dt, ease)
-        across = _stroke_of_tail(fishes, library, i) / max(
-            library.speed[fishes.species[i], FAST], 1e-3
-        )
-        fins[LAG] = -min(max(LAG_SHARE * across, -MOST_LAG), MOST_LAG)
+    panting = max(effort, speed)
+    breath += 2.0 * np.pi * BREATH_HZ * fishes.size_rate[i] * (1.0 + panting) * dt
+    fins[MOUTH] = max(GAPE * 0.5 * (1.0 - sine_cosine(breath)[1]), np.float64(fishes.gape[i]))
+    ease = min(EASE_HZ * (1.0 + BURST_EASE * burst) * dt, 1.0)
+    brake = (way - TOO_FAST[0] * speed - TOO_FAST[1]) / HARD_BRAKE
+    turn = max(abs(_turn_share(fishes, library, i)), abs(steering) / HARD_STEERING)
+    # The effort of a turn or of braking raises and spreads its fins.
+    effort = min(max(turn, brake, 0.0), 1.0)
+    _raise(fishes, i, fins, speed, effort, burst, ease)
+    calm = max(rows, 1.0 - speed / WAVING_SPEED) * (1.0 - burst)
+    rate = WAVE_HZ[0] + (WAVE_HZ[1] - WAVE_HZ[0]) * max(effort, speed)
+    wide = WAVE * (LITTLE * (1.0 - burst) + (1.0 - LITTLE) * max(calm, 0.0))
+    if not library.has[fishes.species[i], ROW]:
+        wide *= STIFFER
+    _wave(fishes, i, fins, phase, wide, rate, ease, dt)
+    across = _stroke_of_tail(fishes, library, i) / max(library.speed[fishes.species[i], FAST], 1e-3)
+    fins[LAG] = -min(max(LAG_SHARE * across, -MOST_LAG), MOST_LAG)
+    return within_turn(breath)
 
 
 @kernel
-def _raise(fishes: Fishes, i: int, speed: float, effort: float, burst: float, ease: float) -> None:
-    """Ease dorsal, ventral, caudal and pelvic fins of fish i; the soft rays lag.
+def _raise(
+    fishes: Fishes, i: int, fins: Array, speed: float, effort: float, burst: float, ease: float
+) -> None:
+    """Ease dorsal, ventral, caudal and pelvic `fins` of fish i; the soft rays lag.
 
-    `effort` is that of a turn or of braking, `ease` the share of the way in this tick.
+    `effort` is that of a turn or of braking, `ease` the share of the way in this time.
     """
-    fins = fishes.fins[i]
     raised = max(effort, np.float64(fishes.raised[i]))
     erect = 1.0 - FOLDED * speed * speed
     erect += raised * (RAISED - erect)
@@ -188,18 +243,21 @@ def _raise(fishes: Fishes, i: int, speed: float, effort: float, burst: float, ea
 
 
 @kernel
-def _wave(fishes: Fishes, i: int, wide: float, cycles: float, ease: float) -> None:
+def _wave(
+    fishes: Fishes, i: int, fins: Array, phase: Array, wide: float, rate: float, ease: float,
+    dt: float,
+) -> None:  # fmt: skip
     """Advance the wave of dorsal and ventral fin of fish i: rearwards, but forwards in a retreat.
 
-    `wide` is the amplitude to which it eases, `cycles` the way in a fish of the recorded size.
+    `wide` is the amplitude to which it eases, `rate` that of a fish of the recorded size, Hz.
     """
-    fins = fishes.fins[i]
-    turn = min(2.0 * np.pi * cycles * fishes.size_rate[i], MOST_WAVE_RAD)
-    phase = fishes.fin_phase[i, 2] + (turn if fishes.thrust[i] >= 0.0 else -turn)
-    fishes.fin_phase[i, 2] = within_turn(phase)
+    turn = 2.0 * np.pi * (rate * dt) * fishes.size_rate[i]
+    turn = min(turn, MOST_WAVE_RAD * (dt / TICK_S))
+    angle = phase[2] + (turn if fishes.thrust[i] >= 0.0 else -turn)
+    phase[2] = within_turn(angle)
     now = np.sqrt(fins[WAVE_SINE] ** 2 + fins[WAVE_COSINE] ** 2)
     amplitude = now + ease * (wide - now)
-    sine, cosine = sine_cosine(phase)
+    sine, cosine = sine_cosine(angle)
     fins[WAVE_SINE], fins[WAVE_COSINE] = amplitude * sine, amplitude * cosine
 
 

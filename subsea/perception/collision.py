@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Ints
 from subsea.geometry.rotation import conjugate, rotate
 from subsea.geometry.solids import (
     NEVER,
@@ -17,9 +17,9 @@ from subsea.geometry.solids import (
     ray_meets_rock,
     ray_meets_seabed,
 )
-from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.perception.grid import ROUNDING, Grid, cells_within, make_grid_of_images, near_slots
+from subsea.perception.crowd import Crowd, Path, find_meetings, place_of, radius_of, room_for
 from subsea.perception.vision import (
     FIELD_COS,
     ahead_of,
@@ -65,81 +65,19 @@ FORESIGHT_S = 0.6
 SCHOOLING_S = 0.3
 COURTING_S = 0.1
 HELD = 1.3  # factor on the region for what a fish is already avoiding: hysteresis
-# Fishes longer or faster than this are kept apart from the others.
-LARGE_CM, FAST_CM_S = 45.0, 80.0
-SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0
-STILL = 1e-100  # cm²/s²: less than the square of any speed of one fish relative to another
 STATIONS = 7  # least number of points of a centre line ...
 FINEST, MOST_STATIONS = 0.3, 64  # ... which are at most 0.3 lengths of the other apart
 
 
-class Crowd(NamedTuple):
-    """The fishes of a grid, with which others may collide."""
-
-    grid: Grid  # of the middles of their bodies
-    motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
-    radius: float  # the largest
-    speed: float  # the largest
-    column: Array  # (columns, 2) largest radius and speed of each upright column; or empty
-
-
 @kernel
-def crowds_of(fishes: Fishes) -> tuple[Crowd, Crowd]:
-    """All living fishes: the small and slow ones, and those that are large or fast.
-
-    A fish searches the others within a reach that grows with the largest and the fastest of them.
-    """
-    n = len(fishes.length)
-    middles, small, large = np.empty((n, 3)), np.empty(n, np.int64), np.empty(n, np.int64)
-    smalls, larges = 0, 0
-    for i in range(n):
-        middle = along_body(fishes, i, 0.5)
-        store(middles[i], middle)
-        if not fishes.alive[i]:
-            continue
-        speed = norm(vector(fishes.velocity[i]))
-        if fishes.length[i] > LARGE_CM or speed > FAST_CM_S:
-            large[larges] = i
-            larges += 1
-        else:
-            small[smalls] = i
-            smalls += 1
-    return (
-        _crowd(fishes, make_grid_of_images(middles, small[:smalls], SMALL_CELL_CM, fishes.period)),
-        _crowd(fishes, make_grid_of_images(middles, large[:larges], LARGE_CELL_CM, fishes.period)),
-    )
-
-
-@kernel
-def _crowd(fishes: Fishes, grid: Grid) -> Crowd:
-    motion = np.empty((len(grid.member), 5))
-    radius, speed = 0.0, 0.0
-    for slot, j in enumerate(grid.member):
-        velocity = vector(fishes.velocity[j])
-        store(motion[slot], velocity)
-        motion[slot, 3], motion[slot, 4] = _radius(fishes, j), norm(velocity)
-        radius, speed = max(radius, motion[slot, 3]), max(speed, motion[slot, 4])
-    tall = grid.size[2]
-    column = np.zeros((grid.size[0] * grid.size[1] if len(grid.start) > 0 else 0, 2))
-    for k in range(len(column)):
-        for slot in range(grid.start[k * tall], grid.start[(k + 1) * tall]):
-            column[k, 0] = max(column[k, 0], motion[slot, 3])
-            column[k, 1] = max(column[k, 1], motion[slot, 4])
-    return Crowd(grid, motion, radius, speed, column)
-
-
-@kernel
-def find_threats(
-    who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd, Crowd], nature: Nature
-) -> None:
+def find_threats(who: Ints, fishes: Fishes, minds: Minds, crowd: Crowd, nature: Nature) -> None:
     """Set `minds.threat` of the fishes `who`: the fish that is most likely to collide with it.
 
-    `crowds` have all fishes. The threat is the fish with the largest share of its centre line in
+    The crowd has all fishes. The threat is the fish with the largest share of its centre line in
     the sensitivity region; of equal ones the nearest. Hunted prey and the partner in courtship are
     not threats.
     """
-    small, large = crowds
-    slots = np.empty(max(len(small.motion), len(large.motion)), np.int64)
+    slots = room_for(crowd)
     for i in who:
         region = sensitivity(minds, i, nature)
         worst = (np.int64(NOBODY), 0.0, np.inf)
@@ -151,9 +89,7 @@ def find_threats(
             gap = minus(along_body_near(fishes, before, 0.5, here), here)
             if share > 0.0:
                 worst = (before, share, dot(gap, gap))
-        worst = worst_threat(fishes, i, region, small, slots, worst)
-        worst = worst_threat(fishes, i, region, large, slots, worst)
-        minds.threat[i] = worst[0]
+        minds.threat[i] = worst_threat(fishes, i, region, crowd, slots, worst)
 
 
 class SensitivityRegion(NamedTuple):
@@ -198,87 +134,28 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
 def worst_threat(
     fishes: Fishes, i: int, region: SensitivityRegion, crowd: Crowd, slots: Ints,
     worst: tuple[int, float, float],
-) -> tuple[int, float, float]:  # fmt: skip
-    """The worst threat to fish i in a crowd, or `worst` where none is worse.
+) -> int:  # fmt: skip
+    """The worst threat to fish i in a crowd, or that of `worst` where none is worse.
 
-    A threat is a fish or NOBODY, the share of it inside the region, and its distance squared.
+    `worst` is a fish or NOBODY, the share of it inside the region, and its distance squared.
+    `slots` is memory from `room_for`.
     """
     margin, foresight, welcome = region
-    grid, motion = crowd.grid, crowd.motion
     here, velocity = along_body(fishes, i, 0.5), vector(fishes.velocity[i])
-    around = _radius(fishes, i) + 3.0 * margin * float(fishes.length[i])
-    # Most are too far away, however they move: test that first. The processor would predict many
-    # branches wrongly, so these tests have none.
-    speed = norm(velocity)
-    reached, meeting = 0, 0
-    for slot in slots[: _slots_near(crowd, here, around, speed, foresight, slots)]:
-        gap = minus(vector(grid.place[slot]), here)
-        far = around + motion[slot, 3] + foresight * (speed + motion[slot, 4])
-        slots[reached] = slot
-        reached += int(dot(gap, gap) <= far * far)
-    for slot in slots[:reached]:
-        gap = minus(vector(grid.place[slot]), here)
-        drift = minus(vector(motion[slot]), velocity)
-        # Closest approach of the middles, within which the radii must reach.
-        time = max(-dot(gap, drift), 0.0) / max(dot(drift, drift), STILL)
-        met, near = plus(gap, times(min(time, foresight), drift)), around + motion[slot, 3]
-        slots[meeting] = slot
-        meeting += int(dot(met, met) <= near * near)
-    for slot in slots[:meeting]:
-        j = grid.member[slot]
-        if j in (i, welcome):
+    around = radius_of(fishes, i) + 3.0 * margin * float(fishes.length[i])
+    row, count = find_meetings(crowd, Path(here, velocity, around, foresight), slots)
+    for k in range(count):
+        slot = slots[row, k]
+        j = crowd.member[slot]
+        if j in (i, welcome, NOBODY):
             continue
-        gap = minus(vector(grid.place[slot]), here)
+        gap = minus(place_of(crowd, slot), here)
         squared = dot(gap, gap)
         share = share_inside(fishes, i, j, margin, foresight)
         nearer = squared < worst[2] or (squared == worst[2] and j < worst[0])
         if share > worst[1] or (share == worst[1] > 0.0 and nearer):
             worst = (j, share, squared)
-    return worst
-
-
-@kernel
-def _slots_near(
-    crowd: Crowd, here: Vector, around: float, speed: float, foresight: float, slots: Ints
-) -> int:
-    """Write the slots near `here` to `slots` and return their number.
-
-    They include all fishes that can come within `around` cm of one that moves from `here` at
-    `speed` cm/s for `foresight` seconds. Cells are passed over by the largest and the fastest
-    fish of their column, as few columns have any that is large or fast.
-    """
-    grid = crowd.grid
-    if len(crowd.column) == 0:
-        return near_slots(grid, here, np.inf, slots)
-    x, y, z = minus(here, grid.low)
-    reach = around + crowd.radius + foresight * (speed + crowd.speed)
-    first_a, last_a = cells_within(x, reach, grid.cell, grid.size[0])
-    first_b, last_b = cells_within(y, reach, grid.cell, grid.size[1])
-    count = 0
-    for a in range(first_a, last_a + 1):
-        aside = max(a * grid.cell - x, x - (a + 1) * grid.cell, 0.0)
-        for b in range(first_b, last_b + 1):
-            along = max(b * grid.cell - y, y - (b + 1) * grid.cell, 0.0)
-            column = a * grid.size[1] + b
-            radius, fastest = crowd.column[column]
-            far = around + radius + foresight * (speed + fastest)
-            square = ROUNDING * far * far - aside * aside - along * along
-            if square < 0.0:
-                continue
-            first, last = cells_within(z, math.sqrt(square), grid.cell, grid.size[2])
-            if first <= last:
-                cell = column * grid.size[2]
-                for slot in range(grid.start[cell + first], grid.start[cell + last + 1]):
-                    slots[count] = slot
-                    count += 1
-    return count
-
-
-@kernel
-def _radius(fishes: Fishes, i: int) -> float:
-    """Farthest distance of any part of fish i from its middle, cm."""
-    girth = float(fishes.girth[i, 0]) + float(fishes.girth[i, 1])
-    return 0.5 * (float(fishes.length[i]) + girth)
+    return worst[0]
 
 
 @kernel

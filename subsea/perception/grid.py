@@ -91,29 +91,35 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
 def make_grid_of_images(points: Array, chosen: Ints, cell: float, period: Array) -> Grid:
     """Sort the points `chosen` as `make_grid` does, in a box together with their images.
 
-    Each point is entered four times: where it is, and beyond the nearer side along x, along y and
-    along both. So every image within half a period of a place in the box is there. Searches take
-    `place` from the grid, and subtract.
+    Searches take `place` from the grid, and subtract.
     """
     if period[0] <= 0.0:
         return make_grid(points, chosen, cell)
-    m = len(chosen)
-    images, member = np.empty((4 * m, 3)), np.empty(4 * m, np.int64)
-    for k in range(m):
-        x, y, z = times(1.0, vector(points[chosen[k]]))  # in double precision
-        beyond_x, beyond_y = (
-            x - math.copysign(1.0, x) * period[0],
-            y - math.copysign(1.0, y) * period[1],
-        )
-        store(images[4 * k], (x, y, z))
-        store(images[4 * k + 1], (beyond_x, y, z))
-        store(images[4 * k + 2], (x, beyond_y, z))
-        store(images[4 * k + 3], (beyond_x, beyond_y, z))
-        member[4 * k : 4 * k + 4] = chosen[k]
-    grid = make_grid(images, np.arange(4 * m), cell)
-    for slot in range(4 * m):
+    images, member = images_of(points, chosen, period)
+    grid = make_grid(images, np.arange(len(member)), cell)
+    for slot in range(len(member)):
         grid.member[slot] = member[grid.member[slot]]
     return grid
+
+
+@kernel
+def images_of(points: Array, chosen: Ints, period: Array) -> tuple[Array, Ints]:
+    """The places (m, 3) of the points `chosen`, in a box with their images; and whose they are.
+
+    In a box each point is there four times: where it is, and beyond the nearer side along x, along
+    y and along both. So every image within half a period of a place in the box is there.
+    """
+    copies = 4 if period[0] > 0.0 else 1
+    images = np.empty((copies * len(chosen), 3))
+    member = np.empty(copies * len(chosen), np.int64)
+    for k in range(len(chosen)):
+        x, y, z = times(1.0, vector(points[chosen[k]]))  # in double precision
+        for copy in range(copies):
+            beyond_x = math.copysign(1.0, x) * period[0] if copy & 1 else 0.0
+            beyond_y = math.copysign(1.0, y) * period[1] if copy & 2 else 0.0
+            store(images[copies * k + copy], (x - beyond_x, y - beyond_y, z))
+            member[copies * k + copy] = chosen[k]
+    return images, member
 
 
 @kernel

@@ -23,8 +23,8 @@ from subsea.perception import (
     rivals,
     territory,
 )
-from subsea.perception.collision import Crowd
 from subsea.perception.comfort import sense_comfort
+from subsea.perception.crowd import Crowd, crowd_of
 from subsea.perception.grid import Grid, find_neighbours, grid_of, make_grid, make_grid_of_images
 from subsea.perception.leader_tracking import Schools
 from subsea.state import CIRCLING, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
@@ -74,7 +74,7 @@ LEAST_GRIDS = 4096  # ... and those in a sea whose grids are sorted side by side
 class Surroundings(NamedTuple):
     """All things that a fish may look for, sorted."""
 
-    crowds: tuple[Crowd, Crowd]
+    crowd: Crowd
     specks: Grid
     scattered: Grid  # the specks that are food from the submarine
     hunters: Grid
@@ -124,8 +124,8 @@ def look_around(
     feel_water(who, fishes.position, sea, minds.light, minds.temperature)
     sense_comfort(who, minds, sea.climate, nature)
     leader_tracking.see_leader(who, fishes, minds, sea, nature, seen)
-    collision.find_threats(who, fishes, minds, around.crowds, nature)
-    territory.find_intruders(who, fishes, minds, around.crowds)
+    collision.find_threats(who, fishes, minds, around.crowd, nature)
+    territory.find_intruders(who, fishes, minds, around.crowd)
     collision.find_barriers(who, fishes, minds, sea, nature)
     predators.see_predators(who, fishes, minds, sea, around.hunters, nature)
     foraging.perceive_plankton(who, fishes, minds, sea, around.specks, around.scattered, nature)
@@ -145,9 +145,9 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
         )
 
     species = [int(kind) for kind in np.unique(fishes.species[who])]
-    crowds, schools, specks, scattered, hunters, prey, mild, *fellows = side_by_side(
+    crowd, schools, specks, scattered, hunters, prey, mild, *fellows = side_by_side(
         [
-            lambda: collision.crowds_of(fishes),
+            lambda: crowd_of(fishes),
             lambda: leader_tracking.schools_of(fishes, minds),
             lambda: make_grid(
                 sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea)
@@ -163,7 +163,7 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
         len(alive) >= LEAST_GRIDS,
     )
     by_species = dict(zip(species, fellows, strict=True))
-    return Survey(Surroundings(crowds, specks, scattered, hunters, mild), schools, prey, by_species)
+    return Survey(Surroundings(crowd, specks, scattered, hunters, mild), schools, prey, by_species)
 
 
 @kernel

@@ -3,10 +3,9 @@
 import numpy as np
 
 from subsea.base.arrays import Ints
-from subsea.geometry.vector import dot, minus, vector
+from subsea.geometry.vector import ZERO, dot, minus, vector
 from subsea.kernels import kernel
-from subsea.perception.collision import Crowd
-from subsea.perception.grid import near_slots
+from subsea.perception.crowd import Crowd, Path, find_meetings, place_of, room_for
 from subsea.state import CLEANS, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 FOLLOWS = 1.5  # radii of a territory to which a resident follows an intruder
@@ -16,42 +15,38 @@ OUTSIZED = 4.0  # a fish this many times as long as the resident is let alone
 
 
 @kernel
-def find_intruders(who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd, Crowd]) -> None:
+def find_intruders(who: Ints, fishes: Fishes, minds: Minds, crowd: Crowd) -> None:
     """Set `minds.intruder` of those of the fishes `who` that guard a territory.
 
     The nearest fish of another species counts. One that is followed counts until it is far off.
     Schools, predators, cleaners, courting fishes and much larger ones are let alone. One that was
     chased off lately is a known neighbour, which is tolerated farther out (Fisher 1954).
     """
-    most = 0
-    for i in who:
-        if minds.territory[i] > 0.0:
-            most = max(len(crowds[0].grid.member), len(crowds[1].grid.member))
-    if most == 0:
+    if not (minds.territory[who] > 0.0).any():
         return
-    slots = np.empty(most, np.int64)
+    slots = room_for(crowd)
     for i in who:
         radius = float(minds.territory[i])
         if radius <= 0.0:
             continue
         home, here = vector(minds.home[i]), vector(fishes.position[i])
         now, best, least = minds.intruder[i], int(NOBODY), np.inf
-        for crowd in crowds:
-            grid = crowd.grid
-            for k in range(near_slots(grid, home, FOLLOWS * radius, slots)):
-                j = grid.member[slots[k]]
-                if not _counts(fishes, minds, i, j):
-                    continue
-                off = minus(vector(grid.place[slots[k]]), home)
-                reach = FOLLOWS * radius if j == now else radius
-                if minds.chaser[j] == i and 0.0 < minds.chased[j] <= KNOWN_S:
-                    reach = NEIGHBOURS * radius
-                if dot(off, off) > reach * reach:
-                    continue
-                away = minus(vector(grid.place[slots[k]]), here)
-                far = dot(away, away) * (0.5 if j == now else 1.0)
-                if far < least or (far == least and j < best):
-                    best, least = j, far
+        row, count = find_meetings(crowd, Path(home, ZERO, FOLLOWS * radius, 0.0), slots)
+        for k in range(count):
+            slot = slots[row, k]
+            j = crowd.member[slot]
+            if j == NOBODY or not _counts(fishes, minds, i, j):
+                continue
+            off = minus(place_of(crowd, slot), home)
+            reach = FOLLOWS * radius if j == now else radius
+            if minds.chaser[j] == i and 0.0 < minds.chased[j] <= KNOWN_S:
+                reach = NEIGHBOURS * radius
+            if dot(off, off) > reach * reach:
+                continue
+            away = minus(place_of(crowd, slot), here)
+            far = dot(away, away) * (0.5 if j == now else 1.0)
+            if far < least or (far == least and j < best):
+                best, least = j, far
         minds.intruder[i] = best
 
 

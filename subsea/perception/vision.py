@@ -6,6 +6,7 @@ from subsea.base.arrays import Array
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import (
     misses_rocks,
+    passes_over_all,
     ray_meets_pillar,
     ray_meets_rock,
     ray_meets_seabed,
@@ -75,6 +76,8 @@ def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
 @kernel
 def hidden(sea: Sea, eye: Vector, p: Vector) -> bool:
     """True if a pillar, a rock or the seabed occludes p; other fishes do not."""
+    if passes_over_all(sea.skyline, sea.half_width, eye, p):
+        return False
     for k in range(len(sea.pillars)):
         if ray_meets_pillar(sea.pillars[k], 0.0, eye, p) <= 1.0:
             return True

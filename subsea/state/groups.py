@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
-from subsea.geometry.solids import CELLS, RANGES_CM
+from subsea.geometry.solids import CELLS, RANGES_CM, REACHES_CM, SQUARES
 from subsea.kernels.struct_ref import Kind, by_pointer
 from subsea.scenario.school_rules import MAX_RULES
 from subsea.state.codes import (
@@ -124,6 +124,7 @@ class Fishes(NamedTuple):
     breath: Annotated[F32, motor("n", unit="rad"), "phase of breathing"]
     fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "columns SWEEP_LEFT to LAG"]
     previous_fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "one tick ago"]
+    rested: Annotated[I8, motor("n", unit="tick", within=(0, 127)), "since its fins last moved"]
     monotony: Annotated[F32, motor("n", unit="s"), "time in the same segment"]
     recommended: Annotated[
         I8,
@@ -387,6 +388,11 @@ class Sea(NamedTuple):
         F32,
         creation(len(RANGES_CM), CELLS, CELLS, unit="cm", start=NEVER),
         "height above which no rock is near: see `geometry/solids.py`",
+    ]
+    skyline: Annotated[
+        F32,
+        creation(len(REACHES_CM), SQUARES, SQUARES, unit="cm", start=NEVER),
+        "height above which neither solid nor seabed is near",
     ]
     climate: Annotated[
         F64, creation(4), "°C at the surface and at a depth, that depth, 1/e depth of light, cm"

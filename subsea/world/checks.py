@@ -6,7 +6,7 @@ import numpy as np
 
 from subsea.base.errors import UserError
 from subsea.fish.species import load_species
-from subsea.geometry.solids import rock_tops
+from subsea.geometry.solids import rock_tops, skyline_of
 from subsea.habitat.sea import solids_on
 from subsea.perception.grid import REACH_CM
 from subsea.perception.vision import FARTHEST
@@ -31,7 +31,8 @@ def with_solids(scenario: Scenario, sea: Sea) -> tuple[Sea, list[str]]:
     """Replace the solids of a `sea` by those of a scenario, with the table of each rock."""
     pillars, rocks, owners = solids_on(scenario, sea.heights, sea.half_width)
     tops = rock_tops(rocks, sea.half_width)
-    return sea._replace(pillars=pillars, rocks=rocks, tops=tops), owners
+    skyline = skyline_of(sea.heights, sea.half_width, pillars, rocks)
+    return sea._replace(pillars=pillars, rocks=rocks, tops=tops, skyline=skyline), owners
 
 
 def check_sea(scenario: Scenario, sea: Sea, owners: list[str]) -> None:

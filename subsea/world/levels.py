@@ -22,6 +22,8 @@ from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, Clock, Fishes, Minds, 
 # it feels the water.
 THOUGHTS = ((1600.0, 16), (800.0, 8), (400.0, 4))
 FEELINGS = ((1600.0, 8), (800.0, 4), (400.0, 2))
+# Distance, cm, from which fins move for FIN_TICKS at once. All numbers of ticks are powers of two.
+FINS_CM, FIN_TICKS = 400.0, 8
 STRIDE_CM = 8.0  # farthest way between two: a fish brakes before a barrier, without a jerk
 RUSH_BL = 3.0  # distance from a rushing hunter, over its length, within which all feel the water
 MANY = 500  # fishes; with fewer, a tick is cheap, and a dive shows the world of its film
@@ -43,10 +45,11 @@ class Turns(NamedTuple):
     thinking: Ints
     feeling: Ints  # the water, bodies and barriers
     parts: tuple[tuple[Clock, Ints], ...]  # of `feeling`, each with the time until their next turn
+    flapping: Bools  # (n,) whether its fins move
 
 
 def find_turns(state: State, visibility: float, alarmed: float, awake: Ints, clock: Clock) -> Turns:
-    """Find the fishes that think and feel in this tick; add a tick to `minds.pause` of all.
+    """Find the fishes that think, feel and flap in this tick; add a tick to `minds.pause` of all.
 
     Fishes of `awake` feel the water in every tick. `alarmed` is the fear that alarms a fish.
     """
@@ -57,22 +60,23 @@ def find_turns(state: State, visibility: float, alarmed: float, awake: Ints, clo
     prey = minds.target[hunters]
     busy[prey[(prey >= 0) & (prey < len(busy))]] = True  # not the bait
     busy[awake] = True
-    thinks, feels = np.empty(len(everyone), np.bool_), np.empty(len(everyone), np.int64)
+    thinks, flaps = np.empty((2, len(everyone)), np.bool_)
+    feels = np.empty(len(everyone), np.int64)
     limits = visibility, alarmed
-    groups = fishes, minds, state.sea, (hunters, busy), limits, clock, (thinks, feels)
+    groups = fishes, minds, state.sea, (hunters, busy), limits, clock, (thinks, feels, flaps)
     share(take_turns, everyone, LEAST_PART, *groups)
     ticks = sorted({1, *(number for _, number in FEELINGS)})
     parts = [(clock._replace(dt=one * clock.dt), np.flatnonzero(feels == one)) for one in ticks]
     those = tuple(part for part in parts if len(part[1]))
-    return Turns(np.flatnonzero(thinks), np.flatnonzero(feels), those)
+    return Turns(np.flatnonzero(thinks), np.flatnonzero(feels), those, flaps)
 
 
 @kernel
 def take_turns(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, active: tuple[Ints, Bools],
-    limits: tuple[float, float], clock: Clock, out: tuple[Bools, Ints],
+    limits: tuple[float, float], clock: Clock, out: tuple[Bools, Ints, Bools],
 ) -> None:  # fmt: skip
-    """Write whether each of the fishes `who` thinks now, and for how many ticks it feels now.
+    """Write of the fishes `who` if each thinks now, for how many ticks it feels, and if it flaps.
 
     That number is 0 for a fish that does not feel. Turns are spread evenly over ticks. In the first
     tick all think and feel. Fishes feel in every tick that are simulated, are `busy` (n,), flee,
@@ -81,13 +85,13 @@ def take_turns(
     more often. `active` are these hunters, and whether a fish is busy; `limits` are the visibility,
     cm, and the fear that alarms.
     """
-    thinks, feels = out
+    thinks, feels, flaps = out
     visibility, alarmed = limits
     hunters, busy = active
     there = vector(sea.submarine)
     for i in who:
         minds.pause[i] += np.float32(clock.dt)
-        thinks[i], feels[i] = False, 0
+        thinks[i], feels[i], flaps[i] = False, 0, False
         if not fishes.alive[i]:
             continue
         distance = norm(minus(vector(fishes.position[i]), there))
@@ -106,11 +110,12 @@ def take_turns(
         while feeling > 1 and feeling * stride > STRIDE_CM:
             feeling //= 2
         turn = clock.tick + i
-        thinks[i] = clock.tick == 0 or turn % thought == 0
+        thinks[i] = clock.tick == 0 or turn & (thought - 1) == 0
         if clock.tick == 0:
             feels[i] = 1
-        elif turn % feeling == 0:
+        elif turn & (feeling - 1) == 0:
             feels[i] = feeling
+        flaps[i] = distance < FINS_CM or turn & (FIN_TICKS - 1) == 0
 
 
 @kernel

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.behavior import biting, eating, grazing, hunting, schooling, steering
 from subsea.behavior.chasing import tire
 from subsea.behavior.courtship import ease_display
@@ -37,7 +37,7 @@ from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share
 from subsea.motor.containment import contain
 from subsea.motor.controller import command
-from subsea.motor.fins import flap
+from subsea.motor.fins import flap_in_turn
 from subsea.motor.playback import play
 from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
@@ -69,12 +69,14 @@ def ease(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
 
 
 @kernel
-def play_back(who: Ints, fishes: Fishes, library: Library, sea: Sea, dt: float) -> None:
-    """Advance bodies and fins of the fishes `who` by one tick, within the free water."""
+def play_back(
+    who: Ints, fishes: Fishes, library: Library, sea: Sea, flapping: Bools, dt: float
+) -> None:
+    """Advance bodies of the fishes `who` by one tick, within the free water, and fins in turn."""
     play(who, fishes, library, dt)
     contain(who, fishes, library.nodes, sea, dt)
     keep_off_drawn(who, fishes, library.nodes, sea, dt)
-    flap(who, fishes, library, dt)
+    flap_in_turn(who, fishes, library, flapping, dt)
 
 
 # Fishes for which another thread pays: in a short pass, and in a pass over thinking fishes.
@@ -122,7 +124,7 @@ def step(world: World, order: Order) -> None:
     with _stage(world, "habitat"):
         stay_in_free_water(world, turn, swimming)
     with _stage(world, "motor"):
-        move_fishes(world, everyone, clock)
+        move_fishes(world, everyone, turn.flapping, clock)
     if isinstance(order, Rail):
         ride(state.submarine, order, TICK_S)
     else:
@@ -171,11 +173,11 @@ def move_water(world: World, who: Ints, clock: Clock) -> None:
 
 
 def choose_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Turns:
-    """Choose the fishes that think, and those that feel the water, in this tick.
+    """Choose the fishes that think, that feel the water and whose fins move in this tick.
 
     Fishes take turns to think: fishes far from the submarine do it less often. All feel the water
-    in every tick, unless the world has levels. Steered fishes that feed think in every tick, or
-    they would miss what is before their mouths.
+    and move their fins in every tick, unless the world has levels. Steered fishes that feed think
+    in every tick, or they would miss what is before their mouths.
     """
     state, visibility = world.state, world.scenario.water.visibility_cm
     fishes, minds, sea = state.fishes, state.minds, state.sea
@@ -186,7 +188,8 @@ def choose_turns(world: World, everyone: Ints, clock: Clock, order: Order) -> Tu
         turn = find_turns(state, visibility, world.nature.alarmed, awake, clock)
     else:
         due = fish_due(fishes, minds, sea, visibility, clock)
-        turn = Turns(due, everyone, ((clock, everyone),))
+        flapping = np.ones(len(everyone), np.bool_)
+        turn = Turns(due, everyone, ((clock, everyone),), flapping)
     if isinstance(order, TeleopCommands):
         feeding = steered[order.feeds]
         feeding = feeding[fishes.alive[feeding]]
@@ -261,13 +264,17 @@ def stay_in_free_water(world: World, turn: Turns, swimming: Array) -> None:
         share(keep_in_free_water, who, LEAST_PART, fishes, sea, swimming, lasting.dt)
 
 
-def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
-    """Move every fish by one recorded frame, or by six steps of simulation."""
+def move_fishes(world: World, everyone: Ints, flapping: Bools, clock: Clock) -> None:
+    """Move every fish by one recorded frame, or by six steps of simulation.
+
+    The fins of fishes that are not `flapping` (n,) rest.
+    """
     state, fishes = world.state, world.state.fishes
     share(command, everyone, LEAST_PART, fishes, world.library, clock)
     if len(state.live.fish):
         simulate(world, clock)
-    share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)
+    groups = fishes, world.library, state.sea, flapping
+    share(play_back, everyone, LEAST_PART, *groups, TICK_S)
     wrap(fishes, state.minds)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from subsea.behavior import territory
 from subsea.behavior.table import INTENTIONS
-from subsea.perception.collision import crowds_of
+from subsea.perception.crowd import crowd_of
 from subsea.perception.territory import FOLLOWS, KNOWN_S, NEIGHBOURS, find_intruders
 from subsea.state import APPROACHING, GUARD, NOBODY, PREDATOR, WANDER, YIELD
 
@@ -21,7 +21,7 @@ def met(tank, *places):
 
 
 def seen(t):
-    find_intruders(np.arange(len(t.minds.home)), t.fishes, t.minds, crowds_of(t.fishes))
+    find_intruders(np.arange(len(t.minds.home)), t.fishes, t.minds, crowd_of(t.fishes))
     return int(t.minds.intruder[0])
 
 

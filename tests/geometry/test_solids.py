@@ -8,16 +8,20 @@ from hypothesis import strategies as st
 from subsea.geometry.solids import (
     NEVER,
     RANGES_CM,
+    REACHES_CM,
     far_from_rock,
     from_pillar,
     from_rock,
     height_at,
     is_far_from_rocks,
+    is_over_all,
     misses_rocks,
+    passes_over_all,
     ray_meets_pillar,
     ray_meets_rock,
     ray_meets_seabed,
     rock_tops,
+    skyline_of,
 )
 
 PILLAR = np.array([10.0, -5.0, 8.0, 20.0])
@@ -209,3 +213,63 @@ def test_a_look_tells_places_far_from_stone_from_those_beside_it():
     # Nothing is known outside of the cells, nor of larger gaps.
     assert not is_far_from_rocks(tops, 1200.0, (1300.0, 0.0, -100.0), 1.0)
     assert not is_far_from_rocks(tops, 1200.0, (-900.0, 0.0, -100.0), RANGES_CM[-1] + 1.0)
+
+
+def _landscape(seed):
+    """A seabed with pillars, rocks and their skyline."""
+    rng = np.random.default_rng(seed)
+    rough = rng.uniform(-600.0, -450.0, (25, 25)).astype(np.float32)
+    rough[rng.integers(25), rng.integers(25)] = -200.0
+    low, high = (-1500, -1500, 5, -500), (1500, 1500, 150, -100)
+    pillars = rng.uniform(low, high, (rng.integers(0, 4), 4))
+    rocks = _rocks(seed)
+    return rough, pillars, rocks, skyline_of(rough, 1200.0, pillars, rocks)
+
+
+@given(SEEDS)
+def test_a_way_over_the_skyline_meets_nothing(seed):
+    heights, pillars, rocks, skyline = _landscape(seed)
+    for a in np.random.default_rng(seed + 1).uniform(
+        (-1100, -1100, -600), (1100, 1100, 0), (80, 3)
+    ):
+        for b in a + np.random.default_rng(seed + 2).normal(0.0, (400.0, 400.0, 150.0), (3, 3)):
+            a, b = tuple(a), tuple(b)
+            if not passes_over_all(skyline, 1200.0, a, b):
+                continue
+            assert all(ray_meets_pillar(pillar, 0.0, a, b) == NEVER for pillar in pillars)
+            assert all(ray_meets_rock(rock, 0.0, a, b) == NEVER for rock in rocks)
+            assert ray_meets_seabed(heights, 1200.0, 0.0, a, b) == NEVER
+
+
+@given(SEEDS)
+def test_nothing_is_within_reach_of_a_place_over_the_skyline(seed):
+    heights, pillars, rocks, skyline = _landscape(seed)
+    rng = np.random.default_rng(seed + 1)
+    for p in rng.uniform((-1300, -1300, -600), (1300, 1300, 0), (80, 3)):
+        reach = rng.uniform(0.0, 1.2 * REACHES_CM[-1])
+        if not is_over_all(skyline, 1200.0, tuple(p), reach):
+            continue
+        way = rng.normal(size=(20, 3))
+        for q in p + reach * way / np.linalg.norm(way, axis=1)[:, None]:
+            assert all(from_pillar(pillar, tuple(q))[1] > 0.0 for pillar in pillars)
+            assert all(from_rock(rock, tuple(q))[1] > 0.0 for rock in rocks)
+            assert q[2] > height_at(heights, 1200.0, q[0], q[1])
+
+
+def test_the_skyline_tells_open_water_from_what_is_beside_or_below_solids():
+    level = np.full((25, 25), -500.0, np.float32)
+    pillar = np.array([[600.0, 0.0, 50.0, -100.0]])
+    rock = np.array([[-600.0, 0.0, -450.0, 60.0, 40.0, 80.0, 0.4]])
+    skyline = skyline_of(level, 1200.0, pillar, rock)
+    assert is_over_all(skyline, 1200.0, (0.0, 0.0, -400.0), 80.0)
+    assert is_over_all(skyline, 1200.0, (-600.0, 0.0, -280.0), 80.0)
+    for near in ((600.0, 100.0, -300.0), (-600.0, 0.0, -320.0), (0.0, 0.0, -430.0)):
+        assert not is_over_all(skyline, 1200.0, near, 80.0)
+    assert passes_over_all(skyline, 1200.0, (-600.0, -900.0, -360.0), (-600.0, 900.0, -360.0))
+    assert passes_over_all(skyline, 1200.0, (100.0, -900.0, -480.0), (100.0, 900.0, -480.0))
+    assert not passes_over_all(skyline, 1200.0, (-600.0, -900.0, -380.0), (-600.0, 900.0, -380.0))
+    assert not passes_over_all(skyline, 1200.0, (100.0, -900.0, -480.0), (100.0, 900.0, -505.0))
+    # Nothing is known outside of the cells, nor of larger reaches.
+    assert not is_over_all(skyline, 1200.0, (1300.0, 0.0, -100.0), 1.0)
+    assert not is_over_all(skyline, 1200.0, (0.0, 0.0, -100.0), REACHES_CM[-1] + 1.0)
+    assert not passes_over_all(skyline, 1200.0, (1100.0, 0.0, -50.0), (1800.0, 0.0, -50.0))

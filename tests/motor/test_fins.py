@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.motor.fins import flap
+from subsea.motor.fins import fins_at, flap, flap_in_turn
 from subsea.motor.playback import ROW, SIDES
 from subsea.repertoire import SEGMENTS
 from subsea.state import (
@@ -313,3 +313,62 @@ def test_a_burst_folds_the_fins_and_holds_them_still(make_fishes, library):
         sweeps.append(fishes.fins[0, SWEEP_LEFT])
     assert max(sweeps) < 0.06
     assert np.ptp(sweeps) < 1e-6
+
+
+def _drawn(fishes, library, alpha):
+    fins, phase = np.empty(fishes.fins.shape[1], np.float32), np.empty(3, np.float32)
+    fins_at(fishes, library, 0, alpha, fins, phase)
+    return fins
+
+
+def test_fins_that_rested_end_where_those_do_that_moved_in_every_tick(make_fishes, library):
+    """The phases after eight ticks are the same, and eased fins come as near to their goals."""
+    every, late = make_fishes(1), make_fishes(1)
+    for fishes in (every, late):
+        fishes.goal_speed[:], fishes.steering[:] = 0.3, (0.2, 0.1)
+    for tick in range(1, 65):
+        flap(everyone(every), every, library, TICK)
+        flap_in_turn(everyone(late), late, library, np.array([tick % 8 == 0]), TICK)
+        assert late.rested[0] == tick % 8
+    np.testing.assert_allclose(late.fin_phase, every.fin_phase, atol=1e-4)
+    np.testing.assert_allclose(late.breath, every.breath, atol=1e-4)
+    np.testing.assert_allclose(late.fins, every.fins, atol=0.02)
+
+
+def test_fins_that_are_due_move_as_ever(make_fishes, library):
+    every, due = make_fishes(2), make_fishes(2)
+    for _ in range(5):
+        flap(everyone(every), every, library, TICK)
+        flap_in_turn(everyone(due), due, library, np.ones(2, bool), TICK)
+    np.testing.assert_array_equal(due.fins, every.fins)
+    np.testing.assert_array_equal(due.previous_fins, every.previous_fins)
+
+
+def test_resting_fins_are_drawn_in_motion_without_a_jump(make_fishes, library):
+    """They are drawn as those that move in every tick, and drawing changes nothing."""
+    every, late = make_fishes(1), make_fishes(1)
+    for fishes in (every, late):
+        fishes.goal_speed[:] = 0.3
+    before, moved = None, 0.0
+    for tick in range(1, 65):
+        flap(everyone(every), every, library, TICK)
+        flap_in_turn(everyone(late), late, library, np.array([tick % 8 == 0]), TICK)
+        state = [array.copy() for array in late]
+        for alpha in (0.0, 0.5, 1.0):
+            fins = _drawn(late, library, alpha)
+            if tick > 16:  # once what is eased has settled
+                np.testing.assert_allclose(fins, _drawn(every, library, alpha), atol=0.04)
+                moved = max(moved, np.abs(fins - before).max())
+                assert np.abs(fins - before).max() < 0.1
+            before = fins
+        for array, kept in zip(late, state, strict=True):
+            np.testing.assert_array_equal(array, kept)
+    assert moved > 0.02
+
+
+def test_the_dead_do_not_rest(make_fishes, library):
+    fishes = make_fishes(1)
+    fishes.alive[:] = False
+    for _ in range(200):
+        flap_in_turn(everyone(fishes), fishes, library, np.zeros(1, bool), TICK)
+    assert fishes.rested[0] == 0

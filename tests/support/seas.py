@@ -1,10 +1,8 @@
 """Seas without inhabitants, for tests of what moves in them."""
 
-import math
-
 import numpy as np
 
-from subsea.habitat.rocks import RockCells
+from subsea.habitat.rocks import LISTED, RockCells, rock_cells
 from subsea.state import Sea, empty
 
 
@@ -17,6 +15,6 @@ def bare_sea(floor, radius=1300.0, half_width=1400.0, **solids):
 
 def all_rocks(rocks):
     """Cells that list all `rocks` (k, 7) everywhere."""
-    turns = [(math.cos(yaw), math.sin(yaw)) for yaw in rocks[:, 6]]
-    near = np.column_stack([rocks, np.reshape(turns, (len(rocks), 2))])
+    one_by_one = [rock_cells(rocks[k : k + 1], 0.0).near for k in range(len(rocks))]
+    near = np.concatenate([np.zeros((0, LISTED)), *one_by_one])
     return RockCells(0.0, 0.0, 0, 0, np.zeros(1, np.int64), near)

@@ -11,7 +11,7 @@ from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, WANDER, Clock
 from subsea.submarine.vessel import Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
-from subsea.world.levels import MANY, find_turns
+from subsea.world.levels import FINS_CM, MANY, find_turns
 from subsea.world.step import step
 from subsea.world.world import TICK_S
 
@@ -110,6 +110,37 @@ def test_a_fast_fish_feels_the_water_more_often(placed):
     placed.fishes.velocity[[4, 10], 1] = 50.0, 300.0  # 1.7 and 10 cm in a tick
     _, feels = turns_of(placed)
     assert (feels > 0.0).sum(axis=0)[[4, 10, 16]].tolist() == [4, 16, 2]
+
+
+def test_fins_of_far_fishes_move_in_every_eighth_tick(placed):
+    moves = np.zeros(24)
+    for t in range(16):
+        moves += find_turns(placed, VISIBILITY_CM, ALARMED, NOBODY_AWAKE, Clock(0, t + 1, TICK_S))[
+            3
+        ]
+    assert moves.tolist() == [16.0 if PLACES[i % 6][0] < FINS_CM else 2.0 for i in range(24)]
+
+
+def test_fins_change_nothing_but_the_picture(monkeypatch):
+    """The world is the same, bit for bit, if the fins of all fishes move in every tick."""
+    world, other = made("open-ocean", 60), made("open-ocean", 60)
+    for _ in range(40):
+        step(world, AHEAD)
+    assert (world.state.fishes.rested > 0).any()
+
+    def restless(*given):
+        return find_turns(*given)._replace(flapping=np.ones(60, bool))
+
+    monkeypatch.setattr("subsea.world.step.find_turns", restless)
+    for _ in range(40):
+        step(other, AHEAD)
+    assert (other.state.fishes.rested == 0).all()
+    beats = ("fins", "previous_fins", "fin_phase", "breath", "rested")
+    for group in ("fishes", "minds"):
+        calm, moved = getattr(world.state, group), getattr(other.state, group)
+        for name in calm._fields:
+            if name not in beats:
+                np.testing.assert_array_equal(getattr(calm, name), getattr(moved, name))
 
 
 def test_the_dead_have_no_turn(placed):
