@@ -123,13 +123,13 @@ def test_fins_of_far_fishes_move_in_every_eighth_tick(placed):
 
 def test_fins_change_nothing_but_the_picture(monkeypatch):
     """The world is the same, bit for bit, if the fins of all fishes move in every tick."""
-    world, other = made("open-ocean", 60), made("open-ocean", 60)
+    world, other = made(), made()
     for _ in range(40):
         step(world, AHEAD)
     assert (world.state.fishes.rested > 0).any()
 
     def restless(*given):
-        return find_turns(*given)._replace(flapping=np.ones(60, bool))
+        return find_turns(*given)._replace(flapping=np.ones(24, bool))
 
     monkeypatch.setattr("subsea.world.step.find_turns", restless)
     for _ in range(40):
