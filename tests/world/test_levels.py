@@ -112,13 +112,13 @@ def test_a_fast_fish_feels_the_water_more_often(placed):
     assert (feels > 0.0).sum(axis=0)[[4, 10, 16]].tolist() == [4, 16, 2]
 
 
-def test_fins_of_far_fishes_move_in_every_eighth_tick(placed):
+def test_fins_of_far_fishes_move_in_every_fourth_tick(placed):
     moves = np.zeros(24)
     for t in range(16):
         moves += find_turns(placed, VISIBILITY_CM, ALARMED, NOBODY_AWAKE, Clock(0, t + 1, TICK_S))[
             3
         ]
-    assert moves.tolist() == [16.0 if PLACES[i % 6][0] < FINS_CM else 2.0 for i in range(24)]
+    assert moves.tolist() == [16.0 if PLACES[i % 6][0] < FINS_CM else 4.0 for i in range(24)]
 
 
 def test_fins_change_nothing_but_the_picture(monkeypatch):
