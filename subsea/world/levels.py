@@ -23,7 +23,7 @@ from subsea.state import CIRCLING, ESCAPE, FEAR, RUSHING, Clock, Fishes, Minds, 
 THOUGHTS = ((1600.0, 16), (800.0, 8), (400.0, 4))
 FEELINGS = ((1600.0, 8), (800.0, 4), (400.0, 2))
 # Distance, cm, from which fins move for FIN_TICKS at once. All numbers of ticks are powers of two.
-FINS_CM, FIN_TICKS = 400.0, 8
+FINS_CM, FIN_TICKS = 400.0, 4
 STRIDE_CM = 8.0  # farthest way between two: a fish brakes before a barrier, without a jerk
 RUSH_BL = 3.0  # distance from a rushing hunter, over its length, within which all feel the water
 MANY = 500  # fishes; with fewer, a tick is cheap, and a dive shows the world of its film

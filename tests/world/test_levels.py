@@ -112,24 +112,24 @@ def test_a_fast_fish_feels_the_water_more_often(placed):
     assert (feels > 0.0).sum(axis=0)[[4, 10, 16]].tolist() == [4, 16, 2]
 
 
-def test_fins_of_far_fishes_move_in_every_eighth_tick(placed):
+def test_fins_of_far_fishes_move_in_every_fourth_tick(placed):
     moves = np.zeros(24)
     for t in range(16):
         moves += find_turns(placed, VISIBILITY_CM, ALARMED, NOBODY_AWAKE, Clock(0, t + 1, TICK_S))[
             3
         ]
-    assert moves.tolist() == [16.0 if PLACES[i % 6][0] < FINS_CM else 2.0 for i in range(24)]
+    assert moves.tolist() == [16.0 if PLACES[i % 6][0] < FINS_CM else 4.0 for i in range(24)]
 
 
 def test_fins_change_nothing_but_the_picture(monkeypatch):
     """The world is the same, bit for bit, if the fins of all fishes move in every tick."""
-    world, other = made("open-ocean", 60), made("open-ocean", 60)
+    world, other = made(), made()
     for _ in range(40):
         step(world, AHEAD)
     assert (world.state.fishes.rested > 0).any()
 
     def restless(*given):
-        return find_turns(*given)._replace(flapping=np.ones(60, bool))
+        return find_turns(*given)._replace(flapping=np.ones(24, bool))
 
     monkeypatch.setattr("subsea.world.step.find_turns", restless)
     for _ in range(40):
