@@ -11,11 +11,11 @@ uniform sampler2D u_grain;  // ridges, polyps, pores
 uniform sampler2D u_polyps;  // of cups: slopes, height; pits
 #endif
 
-centroid in vec3 v_world;
-centroid in vec3 v_normal;
+in vec3 v_world;
+in vec3 v_normal;
 centroid in vec4 v_colour;
 centroid in vec4 v_grain;
-centroid in vec2 v_along;
+in vec2 v_along;
 centroid in vec3 v_sun;
 centroid in vec3 v_clear;
 centroid in vec3 v_veil;

@@ -8,11 +8,11 @@ in vec4 a_colour;  // its root, and what shines through
 in vec4 a_grain;   // ridges, polyps, pores, and light
 in vec2 a_along;   // place on the grain
 
-centroid out vec3 v_world;
-centroid out vec3 v_normal;
+out vec3 v_world;
+out vec3 v_normal;
 centroid out vec4 v_colour;
 centroid out vec4 v_grain;
-centroid out vec2 v_along;
+out vec2 v_along;
 centroid out vec3 v_sun;    // vertices are closer together than the caustics' lines
 centroid out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 centroid out vec3 v_veil;

@@ -21,7 +21,7 @@ centroid in vec3 v_clear;
 #else
 const vec3 v_clear = vec3(1.0);  // in the light already
 #endif
-centroid in vec2 v_skin;
+in vec2 v_skin;
 flat in vec4 v_tone;
 flat in float v_fade;
 

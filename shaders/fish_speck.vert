@@ -26,7 +26,7 @@ centroid out vec3 v_veil;
 #ifdef PASSES
 centroid out vec3 v_clear;
 #endif
-centroid out vec2 v_skin;
+out vec2 v_skin;
 flat out vec4 v_tone;
 flat out float v_fade;
 #ifdef OBJECT_IDS

@@ -3,8 +3,8 @@
 #define BRIGHTEST 32.0
 #include "show.glsl"
 
-centroid in vec3 v_world;
-centroid in vec3 v_normal;
+in vec3 v_world;
+in vec3 v_normal;
 flat in float v_kind;
 centroid in float v_strength;
 

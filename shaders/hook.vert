@@ -10,8 +10,8 @@ uniform vec3 u_hook;  // cm
 uniform float u_top;  // cm, where the line ends above the surface
 uniform bool u_bait;
 
-centroid out vec3 v_world;
-centroid out vec3 v_normal;
+out vec3 v_world;
+out vec3 v_normal;
 flat out float v_kind;
 centroid out float v_strength;
 

@@ -22,8 +22,8 @@ uniform sampler2D u_tracks;   // slopes, height
 #endif
 uniform vec4 u_map;           // corner and size of the ground's map, cm
 
-centroid in vec3 v_world;
-centroid in vec2 v_slope;
+in vec3 v_world;
+in vec2 v_slope;
 centroid in float v_broad;
 centroid in vec3 v_clear;
 centroid in vec3 v_veil;

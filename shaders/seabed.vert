@@ -3,8 +3,8 @@
 in vec3 a_position;
 in vec2 a_slope;
 
-centroid out vec3 v_world;
-centroid out vec2 v_slope;
+out vec3 v_world;
+out vec2 v_slope;
 centroid out float v_broad;  // a slow noise
 centroid out vec3 v_clear;   // daylight and haze change so slowly that the vertices suffice
 centroid out vec3 v_veil;

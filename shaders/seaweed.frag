@@ -3,9 +3,9 @@
 #define BRIGHTEST 16.0
 #include "show.glsl"
 
-centroid in vec3 v_world;
-centroid in vec3 v_normal;
-centroid in vec4 v_place;
+in vec3 v_world;
+in vec3 v_normal;
+in vec4 v_place;
 flat in vec3 v_colour;
 flat in float v_rib;
 centroid in vec3 v_sun;

@@ -8,9 +8,9 @@ uniform sampler2D u_leaves;  // row by leaf: eight nodes, of which the first tel
 in vec2 a_place;  // share of its length, -1 to 1 across
 in vec3 a_frond;  // row of its leaf, its number among the fronds of that, 1: drawn only near
 
-centroid out vec3 v_world;
-centroid out vec3 v_normal;
-centroid out vec4 v_place;  // along, across, own number of the frond, how high on its plant
+out vec3 v_world;
+out vec3 v_normal;
+out vec4 v_place;  // along, across, own number of the frond, how high on its plant
 flat out vec3 v_colour;
 flat out float v_rib;  // how much of a midrib it has
 centroid out vec3 v_sun;

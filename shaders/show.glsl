@@ -60,7 +60,7 @@ void show(vec3 light, vec3 veil, vec3 clear, float opacity) {
 #ifdef INTEGERS  // which are bounded, and of one sample
     f_colour = vec4(UNIT * (light + veil), opacity);
 #else
-    f_colour = vec4(bounded(light + veil), opacity);
+    f_colour = vec4(bounded(light) + bounded(veil), opacity);
 #endif
 }
 #endif

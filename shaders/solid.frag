@@ -8,8 +8,8 @@
 #include "fades.glsl"
 #endif
 
-centroid in vec3 v_world;
-centroid in vec3 v_normal;
+in vec3 v_world;
+in vec3 v_normal;
 centroid in vec3 v_light;
 centroid in vec3 v_cover;
 centroid in vec3 v_clear;

@@ -11,8 +11,8 @@ uniform vec4 u_late;
 #endif
 in vec3 a_cover;  // turf, coralline algae, sponge
 
-centroid out vec3 v_world;
-centroid out vec3 v_normal;
+out vec3 v_world;
+out vec3 v_normal;
 centroid out vec3 v_light;  // of the sky, of the sun, hollow
 centroid out vec3 v_cover;
 centroid out vec3 v_clear;  // daylight and haze change so slowly that the vertices suffice
