@@ -259,9 +259,9 @@ class Renderer(GpuOwner):
         self.draw_s = self._context.extra.seconds - seconds
 
     def expose(self, packet: Packet, first: bool) -> None:
-        """Draw every view of a packet, and add its light to that of those before, but the `first`.
+        """Draw every view of a packet, and add its light to a sum, which the `first` packet begins.
 
-        `show_exposure` shows their mean.
+        `show_exposure` shows the mean.
         """
         with self.timer.picture():
             self._fill(packet)

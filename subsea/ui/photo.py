@@ -62,7 +62,7 @@ class PhotoMode:
         self.lens, self.caption = LensSettings(), ""
         self._was_paused = self._gui_was_open = False
         self._taken = 0  # samples
-        self._about: object = None  # what the samples show
+        self._about: object = None  # view, lens and moment of the samples
         self._dragged = True  # the last press of the button began a drag, or was elsewhere
         self._wanted = False  # a picture, as soon as all its samples are taken
         self._gallery: list[Path] = []  # newest first
@@ -130,7 +130,7 @@ class PhotoMode:
         about = (
             *np.round(np.concatenate([pose.eye, pose.forward]), 3).tolist(),
             self.lens.aperture_cm, self.lens.focus_cm, dive.window.size,
-            picture.renderer.quality, dive.world.state.tick,
+            picture.renderer.quality, picture.pattern, dive.world.state.tick,
         )  # fmt: skip
         if about != self._about:
             self._about, self._taken = about, 0

@@ -69,7 +69,7 @@ def dives(path, *options):
 
 
 def shown_pictures():
-    """What both projectors get, from a screenshot: two pictures (h, w, 3)."""
+    """Cut a screenshot into the pictures (h, w, 3) of both projectors."""
     pixels = display_pixels()[:HEIGHT, : 2 * WIDTH]
     return [pixels[:, :WIDTH], pixels[:, WIDTH:]]
 

@@ -62,4 +62,4 @@ def _values(shape: inspect.Type, given: Given) -> st.SearchStrategy[Any]:
             return given[pattern] if pattern in given else st.from_regex(pattern, fullmatch=True)
         case inspect.StrType():
             return st.text(st.characters(codec="utf-8"), max_size=20)
-    raise NotImplementedError(f"{shape}")
+    raise TypeError(f"no values are known for the type {shape}")

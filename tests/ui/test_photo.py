@@ -134,6 +134,18 @@ def test_light_that_was_gathered_is_developed_again(boat, photo, user, folder):
     assert not exposures and boat.window_set.picture().mean() > 1.2 * usual.mean()
 
 
+def test_a_test_pattern_in_between_begins_the_samples_again(boat, photo, user):
+    photo.lens = LensSettings(aperture_cm=6.0, focus_cm=60.0)
+    boat.picture.show_pattern(clear=True)
+    user.glide(boat, 1.0)
+    boat.picture.show_pattern(clear=True)
+    boat.frame(0.1)
+    assert photo._taken == 1 and not boat.picture.pattern
+    user.until(boat, lambda: photo._taken == 8)
+    boat.frame(0.1)
+    assert boat.window_set.picture().std() > 10.0
+
+
 def test_a_caption_is_on_the_saved_picture_only(boat, photo, user, folder):
     photo.lens = LensSettings(aperture_cm=0.0)
     plain = taken(boat, user, folder)
