@@ -4,16 +4,22 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from numba import config, njit
+from numba import config
 
 from subsea.base.errors import UserError
 from subsea.kernels.cache import KernelCache
+from subsea.kernels.dispatch import Kernel
 from subsea.kernels.late_blas import import_when_used
 
 if config.DISABLE_JIT:  # a tick would take minutes, and groups of arrays need compiled code
     raise UserError("numba's compiler is off; unset NUMBA_DISABLE_JIT (or `disable_jit`)")
 
 import_when_used()
+
+OPTIONS = {
+    "nopython": True, "boundscheck": None, "error_model": "numpy", "nogil": True,
+    "fastmath": False, "no_cfunc_wrapper": True,
+}  # fmt: skip
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -23,9 +29,7 @@ def kernel(function: Callable[..., Any]) -> Any:
     operations, and runs without the GIL. A wrapper for C, which numba would add, is left out: it
     takes a tenth of the time to compile.
     """
-    compiled = njit(error_model="numpy", nogil=True, fastmath=False, no_cfunc_wrapper=True)(
-        function
-    )
+    compiled = Kernel(function, targetoptions=dict(OPTIONS))
     with suppress(OSError, RuntimeError):  # a function without a file
         compiled._cache = KernelCache(function)
     return compiled

@@ -32,6 +32,7 @@ from numba.extending import (
 )
 
 from subsea.kernels import kernel
+from subsea.kernels.dispatch import POINTED
 
 T = TypeVar("T")
 
@@ -173,6 +174,7 @@ def _pointed(group: Any, kind: Any) -> Any:
 
     Group.__name__, Group.__qualname__ = name, group.__qualname__
     Group.__module__, Group.__doc__ = group.__module__, group.__doc__
+    POINTED.add(Group)
     typeof_impl.register(Group)(lambda value, _: value._numba_type_)
     return Group
 
