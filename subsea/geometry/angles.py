@@ -21,6 +21,9 @@ COSINE = (
     4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05,
     -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11,
 )  # fmt: skip
+# 1 / n! of the series of the sine, with their signs, from x³ to x²¹.
+SERIES = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in range(1, 11))
+WHOLE = 1.5 * 2.0**52  # added to a number and taken away again, it leaves the nearest whole one
 # Quotient of two series of the arc tangent up to 0.66 (Cephes, Moshier 1989).
 ABOVE = (
     -6.485021904942025371773e01, -1.228866684490136173410e02, -7.500855792314704667340e01,
@@ -49,6 +52,19 @@ def sine_cosine(angle: float) -> tuple[float, float]:
     if turned & 2:
         sine, cosine = -sine, -cosine
     return sine, cosine
+
+
+@kernel
+def sine(angle: float) -> float:
+    """Sine of an angle of at most a thousand turns, rad, without a branch, so for lanes as well."""
+    halves = (angle * (1.0 / math.pi) + WHOLE) - WHOLE
+    x = (angle - halves * (2.0 * QUARTER[0])) - halves * (2.0 * QUARTER[1])
+    odd = abs(halves - 2.0 * ((0.5 * halves + WHOLE) - WHOLE))  # 0 or 1
+    z = x * x
+    a, b, c, d, e, f, g, h, i, j = SERIES
+    more = f + z * (g + z * (h + z * (i + z * j)))
+    more = z * (a + z * (b + z * (c + z * (d + z * (e + z * more)))))
+    return (1.0 - 2.0 * odd) * (x + x * more)
 
 
 @kernel

@@ -23,6 +23,7 @@ from subsea.state import HULL_CM, Fishes, Sea
 
 PERIOD_S = 14.0
 STILL = 0.0, 0.0
+EAST = 1.0, 0.0, 0.0
 SOURCE_CM = 40.0  # distance at which a source cancels the current: no water flows in
 SPAN = FELT_CM / SOURCE_CM  # multiple of it at which a source has 4% of its strength, and ends
 REACH_CM = 1.5 * FELT_CM  # from the box of a rock: far away `from_rock` is too short
@@ -70,6 +71,12 @@ def flow_near(pillars: Array, cells: RockCells, flow: Vector, p: Vector) -> Vect
             speed = _source(strength, gap)
             sent, total = plus(sent, times(speed * speed, (way[0], way[1], 0.0))), total + speed
     return plus(flow, times(1.0 / total, sent)) if total > 0.0 else flow
+
+
+@kernel
+def deflection_at(pillars: Array, cells: RockCells, p: Vector) -> Vector:
+    """Velocity that the solids near p add to the current, over its speed, in any current."""
+    return minus(flow_near(pillars, cells, EAST, p), EAST)
 
 
 @kernel

@@ -5,9 +5,9 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.noise import uniform
 from subsea.geometry.solids import height_at, is_over_all
-from subsea.geometry.vector import Vector, plus, store, times, vector
+from subsea.geometry.vector import Vector, norm, plus, store, times, vector
 from subsea.habitat.contact import is_free
-from subsea.habitat.current import flow_near
+from subsea.habitat.current import deflection_at
 from subsea.habitat.rocks import RockCells, rocks_near
 from subsea.kernels import kernel
 from subsea.state import Clock, Sea
@@ -39,6 +39,7 @@ def departures(depth_cm: float, rate: float, size: float, number: int) -> tuple[
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # how long a speck keeps its random direction
+FEEL_TICKS = 8  # from one look at the solids near a speck to the next: it drifts a few cm
 SINK_CM_S, SINKS_S = 4.0, 25.0  # how fast and how long food from the submarine sinks
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
 RETURN_CM, RETURN_HEIGHT_CM = 200.0, 100.0  # range around its end in which a speck returns
@@ -93,9 +94,10 @@ def drift(who: Ints, sea: Sea, cells: RockCells, flow: Array, clock: Clock) -> N
     A speck that leaves the cylinder enters on the other side. One that was eaten returns after its
     absence near the same place: the oscillating current brings nothing from afar, and feeding
     grounds would be empty in half an hour. Food from the submarine sinks for a while. Specks do
-    not enter solids.
+    not enter solids, which they look for in turns.
     """
     uniform_flow = vector(flow)
+    speed = norm(uniform_flow)
     for k in who:
         if sea.absent[k] > 0.0:
             sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
@@ -117,7 +119,11 @@ def drift(who: Ints, sea: Sea, cells: RockCells, flow: Array, clock: Clock) -> N
             sea.absent[k] = min(sea.absent[k] + np.float32(clock.dt), np.float32(0.0))
             own = (own[0], own[1], own[2] - SINK_CM_S)
         here = vector(sea.plankton[k])
-        velocity = plus(flow_near(sea.pillars, cells, uniform_flow, here), own)
+        if clock.tick == 0 or (clock.tick + k) % FEEL_TICKS == 0:
+            aside = deflection_at(sea.pillars, cells, here)
+            sea.deflection[k, 0], sea.deflection[k, 1] = aside[0], aside[1]
+        aside = (float(sea.deflection[k, 0]), float(sea.deflection[k, 1]), 0.0)
+        velocity = plus(plus(uniform_flow, times(speed, aside)), own)
         x, y, z = plus(here, times(clock.dt, velocity))
         if x * x + y * y > sea.radius * sea.radius:
             x, y = -0.98 * x, -0.98 * y

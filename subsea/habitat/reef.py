@@ -33,6 +33,7 @@ from subsea.habitat.growth_sites import (
     on_stones,
     rock_spots,
 )
+from subsea.habitat.sea import bare
 from subsea.habitat.terrain import FOOT, HEIGHT, RADIUS_CM, heights_at
 from subsea.kernels import kernel
 from subsea.scenario.schema import CoralTable, ReefTable, Scenario
@@ -80,10 +81,8 @@ LOW_CM = 7.0  # height below which growths do not raise the floor
 
 def grow_reefs(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
-    # Without plankton and hour, which do not affect reefs.
-    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0], sky=sea.sky[:0])
     current = scenario.water.current_cm_s
-    floor, reef = cached(_grow, scenario.reef, scenario.coral, current, still)
+    floor, reef = cached(_grow, scenario.reef, scenario.coral, current, bare(sea))
     return sea._replace(floor=floor), reef
 
 

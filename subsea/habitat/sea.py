@@ -71,6 +71,12 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[st
     return sea, owners
 
 
+def bare(sea: Sea) -> Sea:
+    """The sea without plankton, seaweed and hour, on which nothing depends that grows in it."""
+    rows = {name: getattr(sea, name)[:0] for name in ("plankton", "absent", "deflection")}
+    return sea._replace(**rows, seaweed=sea.seaweed[:0], sky=sea.sky[:0])
+
+
 def hook_constants(plan: Hook | None, waits: bool = False) -> Array:
     """Return the constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s.
 

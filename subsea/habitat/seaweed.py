@@ -7,14 +7,15 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.disk_cache import cached
-from subsea.geometry.angles import sine_cosine
+from subsea.geometry.angles import sine
 from subsea.geometry.solids import height_at
-from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
+from subsea.geometry.vector import ZERO, Vector, minus, norm, plus, times, vector
 from subsea.habitat.contact import clearance
 from subsea.habitat.current import bow_wave, flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.habitat.rocks import RockCells
+from subsea.habitat.sea import bare
 from subsea.kernels import kernel
 from subsea.kernels.lanes import LANES, as_lanes, where_positive, zero_of
 from subsea.scenario.schema import Scenario
@@ -58,8 +59,7 @@ TRIES = 30
 
 def plant_seaweed(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[Sea, Seaweed]:
     """All seaweed of a scenario at rest in still water, and the sea with its boxes."""
-    still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0], sky=sea.sky[:0])
-    boxes, seaweed = cached(_planted, scenario.seaweed, still, reef, seed)
+    boxes, seaweed = cached(_planted, scenario.seaweed, bare(sea), reef, seed)
     return sea._replace(seaweed=boxes), seaweed
 
 
@@ -194,7 +194,7 @@ def step_seaweed(
     count, near = _passers(seaweed, fishes, sea)
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     uniform = vector(flow)
-    water, response = np.empty((NODES, 3, LANES)), _response(clock.dt)
+    stream, response = _still_stream(EDDY_CM_S), _response(clock.dt)
     leaves, waiting = np.empty(LANES, np.int64), 0
     moved = np.empty(len(who), np.bool_)
     for number in range(len(who)):
@@ -215,33 +215,27 @@ def step_seaweed(
         here = flow_near(sea.pillars, cells, uniform, middle)
         for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
             phase = 6.2832 * (clock.tick * clock.dt / EDDY_S + seaweed.look[leaf, 3])
+            stream.phase[0, waiting] = phase
+            for axis in range(3):
+                stream.flow[axis, waiting] = here[axis]
             for i in range(1, NODES):
-                p = vector(seaweed.node[leaf, i])
-                along = phase - 6.2832 / EDDY_CM * (p[0] + 0.5 * p[2])
-                v = (
-                    here[0] + EDDY_CM_S * sine_cosine(along)[0],
-                    here[1] + EDDY_CM_S * sine_cosine(0.83 * along + 1.0)[0],
-                    here[2],
-                )
+                push, p = ZERO, vector(seaweed.node[leaf, i])
                 for slot in range(count[k]):
                     j = near[k, slot]
                     radius = BODY_BL * float(fishes.length[j])
-                    v = plus(v, _wake(minus(p, vector(fishes.position[j])),
-                                      vector(fishes.velocity[j]), radius))  # fmt: skip
+                    push = plus(push, _wake(minus(p, vector(fishes.position[j])),
+                                            vector(fishes.velocity[j]), radius))  # fmt: skip
                 if by_hull:
-                    v = plus(v, _wake(minus(p, hull), velocity, HULL_CM))
-                speed = norm(v)
-                if speed > TORRENT_CM_S:
-                    v = times(TORRENT_CM_S / speed, v)
+                    push = plus(push, _wake(minus(p, hull), velocity, HULL_CM))
                 for axis in range(3):
-                    water[i, axis, waiting] = v[axis]
+                    stream.push[i, axis, waiting] = push[axis]
             leaves[waiting] = leaf
             waiting += 1
             if waiting == LANES:
-                _swing_leaves(seaweed, leaves, water, response, clock.dt)
+                _swing_leaves(seaweed, leaves, stream, response, clock.dt)
                 waiting = 0
     if waiting > 0:
-        _swing_leaves(seaweed, leaves[:waiting], water, response, clock.dt)
+        _swing_leaves(seaweed, leaves[:waiting], stream, response, clock.dt)
     for number in range(len(who)):
         if moved[number]:
             _enclose(seaweed, sea, who[number])
@@ -288,7 +282,7 @@ def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
 @kernel
 def _settle(seaweed: Seaweed, sea: Sea) -> None:
     """Let all leaves come to rest in still water."""
-    still, response = np.zeros((NODES, 3, LANES)), _response(0.033)
+    still, response = _still_stream(0.0), _response(0.033)
     everyone = np.arange(len(seaweed.node))
     for leaf in range(0, len(everyone), LANES):
         for _ in range(SETTLING):
@@ -307,11 +301,28 @@ def _response(dt: float) -> Array:
     return response
 
 
+class Stream(NamedTuple):
+    """The water around at most LANES leaves, each in its lane."""
+
+    flow: Array  # (3, LANES), cm/s, at their cluster
+    push: Array  # (m, 3, LANES), cm/s, that bodies add to it at each node
+    phase: Array  # (1, LANES), rad, of the eddies
+    eddy_cm_s: float
+
+
+@kernel
+def _still_stream(eddy_cm_s: float) -> Stream:
+    """Water that stands still but for eddies of this speed."""
+    return Stream(
+        np.zeros((3, LANES)), np.zeros((NODES, 3, LANES)), np.zeros((1, LANES)), eddy_cm_s
+    )
+
+
 @kernel
 def _swing_leaves(
-    seaweed: Seaweed, leaves: Ints, water: Array, response: Array, dt: float
-) -> None:  # fmt: skip
-    """Move at most LANES `leaves` by `dt`, each in its lane of `water` (m, 3, LANES), cm/s."""
+    seaweed: Seaweed, leaves: Ints, stream: Stream, response: Array, dt: float
+) -> None:
+    """Move at most LANES `leaves` by `dt`, each in its lane of the `stream`."""
     node, velocity = np.empty((NODES, 3, LANES)), np.empty((NODES, 3, LANES))
     lean, rest = np.empty((NODES, 3, LANES)), np.empty((NODES, LANES))
     for lane in range(LANES):
@@ -323,6 +334,11 @@ def _swing_leaves(
                 lean[i, axis, lane] = seaweed.lean[leaf, i, axis]
             if i > 0:
                 rest[i, lane] = seaweed.rest[leaf, i - 1]
+    water = np.empty((NODES, 3, LANES))
+    _stir(
+        as_lanes(node), as_lanes(stream.flow), as_lanes(stream.push), as_lanes(stream.phase),
+        stream.eddy_cm_s, as_lanes(water),
+    )  # fmt: skip
     _swing(
         Chains(as_lanes(node), as_lanes(velocity), as_lanes(rest), as_lanes(lean)),
         as_lanes(water), response, dt,
@@ -332,6 +348,20 @@ def _swing_leaves(
             for axis in range(3):
                 seaweed.node[leaves[lane], i, axis] = node[i, axis, lane]
                 seaweed.velocity[leaves[lane], i, axis] = velocity[i, axis, lane]
+
+
+@kernel
+def _stir(
+    node: Array, flow: Array, push: Array, phase: Array, eddy_cm_s: float, water: Array
+) -> None:
+    """Write the velocity of the water (m, 3) at each `node` (m, 3) but the root, in lanes."""
+    for i in range(1, NODES):
+        along = phase[0] - (6.2832 / EDDY_CM) * (node[i, 0] + 0.5 * node[i, 2])
+        x = flow[0] + eddy_cm_s * sine(along) + push[i, 0]
+        y = flow[1] + eddy_cm_s * sine(0.83 * along + 1.0) + push[i, 1]
+        z = flow[2] + push[i, 2]
+        share = TORRENT_CM_S / max(math.sqrt(x * x + y * y + z * z), TORRENT_CM_S)
+        water[i, 0], water[i, 1], water[i, 2] = share * x, share * y, share * z
 
 
 class Chains(NamedTuple):

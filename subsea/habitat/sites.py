@@ -17,6 +17,7 @@ from subsea.habitat.contact import clearances
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.growth_sites import SPOTS_M2, rock_spots
 from subsea.habitat.reef import KINDS, MOUND
+from subsea.habitat.sea import bare
 from subsea.habitat.terrain import dome, heights_at, variant_of
 from subsea.state import ANEMONE, COVER, POLYPS, RUBBLE, SPONGES, TURF, Reef, Sea
 
@@ -79,9 +80,7 @@ def lay_sites(sea: Sea, reef: Reef) -> Sea:
     """The sea with the places of its stones and growths, all with their full stock."""
     if len(reef.kind) == 0 and len(sea.rocks) == 0 and len(sea.pillars) == 0:
         return sea
-    empty = sea.plankton[:0], sea.absent[:0], sea.seaweed[:0]
-    still = sea._replace(plankton=empty[0], absent=empty[1], seaweed=empty[2], sky=sea.sky[:0])
-    sites = cached(_find, still, reef)
+    sites = cached(_find, bare(sea), reef)
     return sea._replace(
         site_kind=sites.kind, site_place=sites.place, site_normal=sites.normal,
         site_growth=sites.growth, site_depth=sites.depth,

@@ -22,7 +22,8 @@ from subsea.world.world import World
 # Prefixes of the arrays that continue, by their names in a snapshot.
 LIVING = (
     "fishes.", "minds.", "directions.", "live.",
-    "sea.plankton", "sea.absent", "sea.hook", "sea.catch", "odour.amount", "odour.total",
+    "sea.plankton", "sea.absent", "sea.deflection", "sea.hook", "sea.catch", "odour.amount",
+    "odour.total",
 )  # fmt: skip
 INHABITANTS = (
     "individual",

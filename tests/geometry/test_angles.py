@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from subsea.geometry.angles import arc_sine, arc_tangent, sine_cosine, within_turn
+from subsea.geometry.angles import arc_sine, arc_tangent, sine, sine_cosine, within_turn
 
 ROUNDING = 4.0e-16  # of a number up to π
 RANDOM = np.random.default_rng(3)
@@ -17,6 +17,7 @@ def test_sine_and_cosine_are_those_of_the_library(most):
         assert sine_cosine(angle) == pytest.approx(
             (math.sin(angle), math.cos(angle)), rel=0, abs=ROUNDING
         )
+        assert sine(angle) == pytest.approx(math.sin(angle), rel=0, abs=ROUNDING)
 
 
 def test_arc_tangents_are_those_of_the_library():
@@ -29,8 +30,8 @@ def test_arc_tangents_are_those_of_the_library():
 
 
 def test_arc_sines_are_those_of_the_library_and_end_at_a_right_angle():
-    for sine in (-1.0, 0.0, 1.0, *RANDOM.uniform(-1.0, 1.0, 500)):
-        assert arc_sine(sine) == pytest.approx(math.asin(sine), rel=2 * ROUNDING, abs=0)
+    for height in (-1.0, 0.0, 1.0, *RANDOM.uniform(-1.0, 1.0, 500)):
+        assert arc_sine(height) == pytest.approx(math.asin(height), rel=2 * ROUNDING, abs=0)
     assert arc_sine(1.0 + 1e-9) == math.pi / 2
 
 

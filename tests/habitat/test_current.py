@@ -10,6 +10,7 @@ from subsea.habitat.current import (
     SOURCE_CM,
     SPAN,
     add_bow_wave,
+    deflection_at,
     flow_at,
     flow_near,
     set_drift,
@@ -72,6 +73,15 @@ def test_a_rock_is_a_source_too(angle, away, z):
 
 def test_at_slack_water_nothing_flows():
     assert flow_near(PILLAR, ALONE, (0.0, 0.0, 0.0), (85.0, -20.0, -200.0)) == (0.0, 0.0, 0.0)
+
+
+@given(ANGLE, st.floats(0.5, 40.0), ANGLE, st.floats(20.0, 300.0))
+def test_solids_deflect_every_current_alike(course, speed, angle, away):
+    place = (30.0 + away * np.cos(angle), 20.0 + away * np.sin(angle), -240.0)
+    flow = (speed * np.cos(course), speed * np.sin(course), 0.0)
+    expected = np.array(flow_near(PILLAR, ALONE, flow, place))
+    found = flow + speed * np.array(deflection_at(PILLAR, ALONE, place))
+    np.testing.assert_allclose(found, expected, atol=1e-9 * speed)
 
 
 def test_sources_add_up():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import clearance
-from subsea.habitat.current import REACH_CM
+from subsea.habitat.current import REACH_CM, flow_near
 from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, RETURN_HEIGHT_CM, drift, scatter
 from subsea.habitat.rocks import rock_cells
 from subsea.state import Clock
@@ -69,6 +69,29 @@ def test_the_crowd_moves_with_the_water(make_sea):
     before = sea.plankton.copy()
     _pass(sea, (10.0, 0.0, 0.0), 30, seed=1)
     np.testing.assert_allclose((sea.plankton - before).mean(axis=0)[:2], [9.9, 0.0], atol=0.3)
+
+
+def test_specks_pass_solids_as_if_they_felt_them_in_every_tick(make_sea):
+    flow, cells = (14.0, 6.0, 0.0), rock_cells(ROCKS, REACH_CM)
+    sea = make_sea(_scattered(600, 0, PILLARS, ROCKS), PILLARS, ROCKS)
+    start = sea.plankton.astype(float)
+    _pass(sea, flow, 60)
+    # Without solids they wander alike.
+    bare = make_sea(start)
+    _pass(bare, (0.0, 0.0, 0.0), 60)
+    wander = (bare.plankton - start) / 60
+    places = start.copy()
+    for _ in range(60):
+        places += wander + [
+            np.multiply(DT, flow_near(PILLARS, cells, flow, tuple(place))) for place in places
+        ]
+    near = np.array([0.0 < clearance(PILLARS, ROCKS, tuple(place)) < 60.0 for place in start])
+    inside = (np.hypot(start[:, 0], start[:, 1]) < 450.0) & (np.abs(start[:, 2] + 150.0) < 100.0)
+    apart = np.linalg.norm(sea.plankton - places, axis=1)[near & inside]
+    straight = np.linalg.norm(start + wander * 60 + np.multiply(60 * DT, flow) - places, axis=1)
+    assert len(apart) > 30
+    assert np.median(apart) < 1.0 and np.percentile(apart, 90) < 3.0
+    assert np.median(straight[near & inside]) > 10.0  # solids matter there
 
 
 def test_eaten_specks_return_near_their_place_after_a_while(make_sea):

@@ -71,8 +71,9 @@ def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
 
 
 def _swing(weed, leaves, flow):
-    water = np.broadcast_to(flow[:, None], (NODES, 3, LANES)).copy()
-    module._swing_leaves(weed, np.array(leaves), water, module._response(DT), DT)
+    stream = module._still_stream(0.0)
+    stream.flow[:] = flow[:, None]
+    module._swing_leaves(weed, np.array(leaves), stream, module._response(DT), DT)
 
 
 def test_a_leaf_swings_alone_as_among_others(make_bed):
@@ -101,6 +102,21 @@ def test_a_leaf_in_a_steady_flow_hangs_as_its_forces_add_up(make_bed):
     np.testing.assert_allclose(np.diff(weed.node[0], axis=0), links, rtol=0.01, atol=0.01)
     bent = np.degrees(np.arctan2(np.hypot(links[:, 0], links[:, 1]), links[:, 2]))
     assert (np.diff(bent) > 0.0).all()  # ever more flexible toward the tip
+
+
+def test_eddies_add_to_the_flow_and_to_what_bodies_push():
+    rng = np.random.default_rng(4)
+    node, push = rng.normal(0.0, 50.0, (2, NODES, 3))
+    push[-1] *= 10.0
+    flow, phase, water = np.array([5.0, -7.0, 1.0]), 40.0, np.zeros((NODES, 3))
+    module._stir(node, flow, push, np.array([phase]), module.EDDY_CM_S, water)
+    along = phase - 2.0 * np.pi / module.EDDY_CM * (node[:, 0] + 0.5 * node[:, 2])
+    eddy = np.stack([np.sin(along), np.sin(0.83 * along + 1.0), np.zeros(NODES)], axis=1)
+    expected = flow + module.EDDY_CM_S * eddy + push
+    speed = np.linalg.norm(expected, axis=1)
+    assert speed[-1] > module.TORRENT_CM_S > speed[1:-1].min()
+    expected *= np.minimum(module.TORRENT_CM_S / speed, 1.0)[:, None]
+    np.testing.assert_allclose(water[1:], expected[1:], atol=1e-3)
 
 
 def test_seaweed_begins_at_rest_rooted_in_the_ground(make_bed):
