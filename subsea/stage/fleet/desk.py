@@ -103,7 +103,7 @@ class FleetDesk:
         self._orders += [
             (one, messages.Restart()) for one in chosen if one != self.own and one not in gone
         ]
-        self.restarts = self.own in chosen
+        self.restarts = self.restarts or self.own in chosen
         left = f"; not connected: {', '.join(gone)}" if gone else ""
         return f"restarts {', '.join(one for one in chosen if one not in gone)}{left}"
 

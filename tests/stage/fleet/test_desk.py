@@ -129,6 +129,8 @@ def test_one_or_all_restart(hall):
     assert hall.desk.restart("all") == "restarts middle, left; not connected: right"
     assert hall.orders() == [("left", Restart())]
     assert hall.desk.restarts
+    hall.desk.restart("left")  # before this computer has begun
+    assert hall.desk.restarts
     with pytest.raises(UserError, match="unknown node 'lft'; did you mean 'left'"):
         hall.desk.restart("lft")
 
