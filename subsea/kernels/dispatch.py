@@ -23,35 +23,39 @@ MOST_KEPT = 256
 
 Code = Callable[..., Any]
 
-_kept: dict[int, tuple[Any, Any]] = {}  # tuples of numbers, by their addresses, and their traits
+_kept: dict[
+    int, tuple[Any, tuple[Any, ...]]
+] = {}  # tuples of numbers, by their addresses, and their traits
 
 
-def traits(value: Any) -> Any:
-    """What decides the type of an argument of a kernel; a TypeError where only numba knows it."""
-    kind = type(value)
-    if kind in POINTED:
-        return value._numba_type_._code  # a number that no other type has
-    if kind is np.ndarray:
-        return value.dtype, value.ndim, value.flags.num
-    if kind in PLAIN:
-        return kind
-    if issubclass(kind, tuple):
-        return _traits_of_tuple(value)
-    raise TypeError(f"a {kind.__name__} tells its type to numba alone")
+def traits(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What decides the types of arguments; a TypeError for those that only numba can tell."""
+    found: list[Any] = []
+    for value in values:
+        kind = type(value)
+        if kind in POINTED:
+            found.append(value._numba_type_._code)  # a number that no other type has
+        elif kind is np.ndarray:
+            found += value.dtype, value.ndim, value.flags.num
+        elif kind in PLAIN:
+            found.append(kind)
+        elif issubclass(kind, tuple):
+            found.append(_traits_of_tuple(value))
+        else:
+            raise TypeError(f"only numba can tell the type of a {kind.__name__}")
+    return tuple(found)
 
 
-def _traits_of_tuple(value: Any) -> Any:
+def _traits_of_tuple(value: Any) -> tuple[Any, ...]:
     """The traits of a tuple; those of the last tuples of numbers, which never change, are kept."""
     kept = _kept.get(id(value))
     if kept and kept[0] is value:
         return kept[1]
-    kinds = tuple(map(type, value))
-    if not PLAIN.issuperset(kinds):
-        return type(value), *[traits(part) for part in value]
-    if len(_kept) >= MOST_KEPT:
-        _kept.clear()
-    found = type(value), kinds
-    _kept[id(value)] = value, found
+    found = type(value), *traits(value)
+    if PLAIN.issuperset(found[1:]):
+        if len(_kept) >= MOST_KEPT:
+            _kept.clear()
+        _kept[id(value)] = value, found
     return found
 
 
@@ -66,7 +70,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
     def __call__(self, *given: Any, **named: Any) -> Any:
         """Run the kernel. For types that are new it is compiled, or read from the cache."""
         try:
-            code = self.codes[tuple([traits(value) for value in given])]
+            code = self.codes[traits(given)]
         except (KeyError, TypeError):
             code = self._first
         return code(*given, **named)
@@ -77,5 +81,5 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         chosen = self.overloads.get(tuple([self.typeof_pyval(value) for value in given]))
         if chosen and not named:
             with suppress(TypeError):  # numba looks up these types at each call
-                self.codes[tuple([traits(value) for value in given])] = chosen.entry_point
+                self.codes[traits(given)] = chosen.entry_point
         return result
