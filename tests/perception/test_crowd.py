@@ -55,7 +55,8 @@ def test_a_search_finds_all_whose_way_comes_near_and_nobody_else(tank, seed, n):
     middles = np.array([along_body(fishes, i, 0.5) for i in living]).reshape(-1, 3)
     radii = np.array([radius_of(fishes, i) for i in living])
     for lasts in (0.0, 0.5, 3.0):
-        here, velocity = rng.normal((0, 0, -300), (200, 60, 40)), rng.normal(0, 30, 3)
+        here = rng.normal((0, 0, -300), (200, 60, 40))
+        velocity = rng.normal(0, 30, 3).astype(np.float32)
         found = met(crowd, Path(tuple(here), tuple(velocity), 25.0, lasts))
         gaps, drift = middles - here, fishes.velocity[living].astype(float) - velocity
         closest = np.clip(-(gaps * drift).sum(1) / (drift**2).sum(1), 0.0, lasts)
