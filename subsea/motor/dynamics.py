@@ -284,8 +284,12 @@ def swim_live(
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:
             before, after = mean_of(bodies.mass[kind], live.x[slot]), mean_of(bodies.mass[kind], x)
-            # Sines of C libraries differ by processor in their last bit: float32 drops it.
-            live.x[slot], live.v[slot] = x.astype(np.float32), v.astype(np.float32)
+            # Sines of C libraries differ by processor in their last bit: float32 drops it. Not the
+            # whole arrays at once: that takes four seconds to compile.
+            for node in range(NODES):
+                for axis in range(3):
+                    live.x[slot, node, axis] = np.float32(x[node, axis])
+                    live.v[slot, node, axis] = np.float32(v[node, axis])
             _settle(fishes, live, slot, len(library.entry), dt, pace)
             for axis in range(3):
                 # Not of the origin, which sways with the beat: a coast would end at once.
