@@ -203,7 +203,7 @@ def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier):
     muscles = np.tile(body.length[:MUSCLES], (100, 1))
     band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
     strain = np.array([np.inf, 0.0])
-    chain = Chain(body.material, UNITS, ALL_KEPT)
+    chain = Chain(body.material, FIXED_UNITS, ALL_KEPT)
     assemble(state.x, state.v, chain, muscles[0], STEP, band, load, strain)
     lower, right = np.ascontiguousarray(band[:NODES].T), load[:NODES].copy()
     still, none = np.zeros(3), np.zeros((NODES, 3))

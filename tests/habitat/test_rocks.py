@@ -105,7 +105,7 @@ def test_a_school_swims_through_and_into_no_stone():
         water=msgspec.structs.replace(base.water, plankton=0),
         terrain=Terrain(dune_height_cm=20, dune_length_cm=900, seed=3),
         submarine=Start(position_cm=(-900.0, 0.0, -300.0)),
-        arch=[Arch(position_cm=(0, 0), span_cm=350, height_cm=250, yaw_deg=90, seed=1)],
+        arch=[Arch(position_cm=(0.0, 0.0), span_cm=350, height_cm=250, yaw_deg=90, seed=1)],
     )  # fmt: skip
     world = create_world(scenario)
     sea, fishes = world.state.sea, world.state.fishes

@@ -100,7 +100,7 @@ def test_a_search_in_a_school_looks_at_few_of_its_fishes(tank):
     low, high = boxes[:, LOW:HIGH], boxes[:, HIGH:SLOWEST]
     gap = np.maximum(np.maximum(low - middle, middle - high), 0.0)
     blocks = ((gap**2).sum(axis=1) < reach**2).sum()
-    near = len(met(crowd, Path((0.0, 0.0, -375.0), ZERO, 20.0, 0.0)))
+    near = len(met(crowd, Path(tuple(np.float32([0.0, 0.0, -375.0])), ZERO, 20.0, 0.0)))
     assert near > 0
     assert blocks <= 16
 
@@ -110,6 +110,6 @@ def test_in_a_box_images_are_found_beyond_its_sides(tank):
     t.fishes.period[:] = 1000.0
     t.fishes.position[:] = (490.0, 0.0, -300.0), (0.0, 0.0, -300.0)
     crowd = crowd_of(t.fishes)
-    found = met(crowd, Path((-480.0, 0.0, -300.0), ZERO, 60.0, 0.0))
+    found = met(crowd, Path(tuple(np.float32([-480.0, 0.0, -300.0])), ZERO, 60.0, 0.0))
     assert list(crowd.member[found]) == [0]
     assert place_of(crowd, found[0])[0] < -500.0
