@@ -97,7 +97,6 @@ def solve(matrix: Floats, load: Floats) -> None:
         load[i] /= matrix[i, i]
 
 
-@kernel
 def swim(
     body: FlatBody, start: Floats, muscles: Floats, step: float, implicit: bool, every: int
 ) -> Floats:
@@ -106,16 +105,29 @@ def swim(
     ``muscles`` (steps, m) are their lengths at rest, cm. Explicit Euler uses forces and
     velocities of the start of a step, implicit Euler those of its end, from one linear system
     (Baraff, KS [2]): (M + h D + h² K) Δv = h (f - h K v), with K = -∂f/∂x and D = -∂f/∂v.
+    States of a body that has exploded are NaN.
     """
-    n = start.shape[1]
-    x, v = start[0].copy(), start[1].copy()
-    frames = np.full((len(muscles) // every + 1, 2, n, 2), np.nan)
+    frames = np.full((len(muscles) // every + 1, *start.shape), np.nan)
     frames[0] = start
+    _swim(body, start.copy(), muscles, step, implicit, every, frames)
+    return frames
+
+
+@kernel
+def _swim(
+    body: FlatBody, state: Floats, muscles: Floats, step: float, implicit: bool, every: int,
+    frames: Floats,
+) -> None:  # fmt: skip
+    """Advance ``state`` (2, n, 2), and write all ``frames`` but the first."""
+    x, v = state[0], state[1]
+    n = len(x)
     rest = body.length.copy()
     force, load = np.empty((n, 2)), np.empty(2 * n)
     by_place, by_speed = np.empty((2 * n, 2 * n)), np.empty((2 * n, 2 * n))
+    # Number by number: assignments of whole arrays take seconds to compile.
     for t in range(len(muscles)):
-        rest[: muscles.shape[1]] = muscles[t]
+        for m in range(muscles.shape[1]):
+            rest[m] = muscles[t, m]
         force[:] = 0.0
         add_forces(x, v, body, rest, force)
         if implicit:
@@ -129,20 +141,23 @@ def swim(
                     by_speed[i, k] = step * (by_speed[i, k] + step * by_place[i, k])
                 by_speed[i, i] += body.mass[i % n]
             solve(by_speed, load)
-            for i in range(n):
-                for k in range(2):
+        sound = True
+        for i in range(n):
+            for k in range(2):
+                if implicit:
                     v[i, k] += load[k * n + i]
                     x[i, k] += step * v[i, k]
-        else:
-            for i in range(n):
-                for k in range(2):
+                else:
                     x[i, k] += step * v[i, k]
                     v[i, k] += step / body.mass[i] * force[i, k]
-        if not np.abs(x).max() < 1e6:
-            break  # it has exploded: all later states would be NaN
+                sound = sound and abs(x[i, k]) < 1e6
+        if not sound:
+            return  # the body has exploded
         if (t + 1) % every == 0:
-            frames[(t + 1) // every, 0], frames[(t + 1) // every, 1] = x, v
-    return frames
+            for i in range(n):
+                for k in range(2):
+                    frames[(t + 1) // every, 0, i, k] = x[i, k]
+                    frames[(t + 1) // every, 1, i, k] = v[i, k]
 
 
 def energy(body: FlatBody, frames: Floats) -> Floats:

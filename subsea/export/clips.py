@@ -239,7 +239,8 @@ def root_motion(segment: Segment, beats: int = 1) -> tuple[Array, Array]:
     for row in rows:
         before = rotation[-1]
         position.append(position[-1] + matrix(before) @ segment.increment_translation[row])
-        after = np.array(normalised(multiply(before, segment.increment_rotation[row])))
+        step = tuple(segment.increment_rotation[row])
+        after = np.array(normalised(multiply(tuple(before), step)))
         rotation.append(after if after @ before > 0 else -after)
     return np.array(position), np.array(rotation)
 

@@ -289,7 +289,7 @@ def instances_of(world: World, who: Ints, alpha: float) -> Array:
     """Write the instances (k, 30) of fishes (k,), in sight or not, and the poses of live ones."""
     fishes = world.state.fishes
     centres = _centres(fishes, alpha)
-    drawn = who, np.zeros(len(who)), np.zeros(len(who), np.bool_)
+    drawn = who, np.zeros(len(who), np.float32), np.zeros(len(who), np.bool_)
     instances = _instances(world, centres, drawn, alpha)
     _skin_live(world, who)
     return instances

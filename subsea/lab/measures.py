@@ -198,11 +198,15 @@ def captures(record: Record) -> Captures:
     prey = np.flatnonzero(record.kind == PREY)
     last, fishes = np.nonzero(record.alive[:-1] & ~record.alive[1:])
     company = np.zeros((len(range(0, len(record.time), every)), len(prey)), np.bool_)
-    alive = record.alive[::every][:, prey]
+    # Numpy keeps columns together; the kernel is compiled for rows.
+    alive = np.ascontiguousarray(record.alive[::every][:, prey])
+    position = np.ascontiguousarray(record.position[::every][:, prey])
     if len(prey) > COMPANIONS:
-        for (place,) in views(record.period, record.position[::every][:, prey]):
+        for (place,) in views(record.period, position):
             near = np.zeros_like(company)
-            _company(place, alive, record.species[prey], record.length[prey], near)
+            order = np.argsort(place[..., 0], axis=1, kind="stable")
+            groups = place, alive, record.species[prey], record.length[prey]
+            _company(order, *groups, near)
             company |= near
     back = max(round(BEFORE_S / SAMPLE_S), 1)
     caught = [0, 0]
@@ -217,16 +221,18 @@ def captures(record: Record) -> Captures:
 
 
 @kernel
-def _company(position: Array, alive: Bools, species: Ints, length: Array, company: Bools) -> None:
+def _company(
+    order: Ints, position: Array, alive: Bools, species: Ints, length: Array, company: Bools
+) -> None:
+    """Find fishes (T, n) in company; `order` (T, n) lists them by x."""
     n = len(species)
     count, farthest = np.empty(n, np.int64), COMPANY_BL * length.max()
     for t in range(len(position)):
         count[:] = 0
-        order = np.argsort(position[t, :, 0], kind="mergesort")
         for a in range(n):
-            i = order[a]
+            i = order[t, a]
             for b in range(a + 1, n):
-                j = order[b]
+                j = order[t, b]
                 if position[t, j, 0] - position[t, i, 0] > farthest:
                     break
                 if species[i] != species[j] or not alive[t, i] or not alive[t, j]:
@@ -235,7 +241,8 @@ def _company(position: Array, alive: Bools, species: Ints, length: Array, compan
                 if gap <= COMPANY_BL * 0.5 * (length[i] + length[j]):
                     count[i] += 1
                     count[j] += 1
-        company[t] = (count >= COMPANIONS) & alive[t]
+        for i in range(n):
+            company[t, i] = count[i] >= COMPANIONS and alive[t, i]
 
 
 class Courtship(NamedTuple):

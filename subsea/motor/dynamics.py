@@ -239,7 +239,6 @@ def swim_live(
     sound = np.ones(len(live.fish), np.bool_)
     muscles = np.empty((MAX_RATE * iterations, MUSCLES))
     time = STEP * time_step * iterations  # length of a tick for a fish of the recorded size
-    pace = time / TICK_TU
     for slot in range(len(live.fish)):
         i = live.fish[slot]
         if i < 0 or not fishes.live[i]:
@@ -272,9 +271,8 @@ def swim_live(
             v -= water
             force = fin_force(bodies, kind, x, v, brake)
             force += pitching_force(bodies, kind, x, v, lift * TICK_S / TICK_TU)
-            force += spread_force(
-                bodies, kind, x, v, fishes.fins[i, DORSAL], fishes.fins[i, PELVIC]
-            )
+            median, pelvic = fishes.fins[i, DORSAL], fishes.fins[i, PELVIC]
+            force += spread_force(bodies, kind, x, v, median, pelvic)
             part = muscles[begin : min(begin + iterations, steps)]
             advance(x, v, material, part, np.zeros(3), force, step, watch)
             v += water
@@ -284,9 +282,11 @@ def swim_live(
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:
             before, after = mean_of(bodies.mass[kind], live.x[slot]), mean_of(bodies.mass[kind], x)
-            # Sines of C libraries differ by processor in their last bit: float32 drops it.
-            live.x[slot], live.v[slot] = x.astype(np.float32), v.astype(np.float32)
-            _settle(fishes, live, slot, len(library.entry), dt, pace)
+            # Sines of C libraries differ by processor in their last bit: float32 drops it. Arrays
+            # that are assigned as a whole take seconds to compile.
+            for n, k in np.ndindex(x.shape):
+                live.x[slot, n, k], live.v[slot, n, k] = np.float32(x[n, k]), np.float32(v[n, k])
+            _settle(fishes, live, slot, len(library.entry), dt, time / TICK_TU)
             for axis in range(3):
                 # Not of the origin, which sways with the beat: a coast would end at once.
                 way = fishes.scale[i] * (after[axis] - before[axis])

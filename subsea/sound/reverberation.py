@@ -52,7 +52,8 @@ def _echo(
         kept[line] = 10.0 ** (-3.0 * LINES[line] / (DECAY_S * RATE))
     come, energy, spots = np.empty(len(LINES)), 0.0, np.empty(len(LINES), np.int64)
     for g in range(len(lines)):
-        spots[:] = at % LINES
+        for line in range(len(LINES)):
+            spots[line] = at % LINES[line]
         for k in range(number):
             enter = 0.0
             for c in range(channels):

@@ -51,7 +51,7 @@ def follow_fish(
     """
     now = (world.state.tick - 1 + alpha) * TICK_S
     aim, turn = bodies_at(world, fish, alpha)
-    way = np.array(x_axis(turn))
+    way = np.array(x_axis(tuple(turn)))
     share, among = 1.0, _among(world.state.sea, vector(aim))
     dodge = np.zeros(3)
     if before is not None and 0.0 <= now - before.at_s < 1.0:

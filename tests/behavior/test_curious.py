@@ -66,7 +66,7 @@ def test_it_comes_before_the_window_then_hovers_and_faces_it(tank):
     one.run(curious.act)
     assert one.minds.urge[0, 0] > 0.9 * np.linalg.norm(one.minds.urge[0])
     assert one.fishes.goal_speed[0] == 1
-    spot = one.sea.submarine[:3] + place_before(one.sea, 20.0, 0.5)
+    spot = one.sea.submarine[:3] + place_before(one.sea, *np.float32([20.0, 0.5]))
     one.fishes.position[0] = spot
     one.run(curious.act)
     toward = one.sea.submarine[:3] - spot
@@ -79,7 +79,7 @@ def test_it_comes_before_the_window_then_hovers_and_faces_it(tank):
 
 def test_places_lie_before_the_window_apart_from_each_other(tank):
     one = _tank(tank)
-    places = np.array([place_before(one.sea, 20.0, k / 20) for k in range(20)])
+    places = np.array([place_before(one.sea, *np.float32([20.0, k / 20])) for k in range(20)])
     off = np.linalg.norm(places, axis=1)
     assert (off > WATCH_CM).all()
     assert (places @ one.sea.submarine[6:] > 0.75 * off).all()

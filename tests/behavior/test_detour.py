@@ -16,8 +16,14 @@ NONE = np.zeros((0, 7))
 NO_PILLARS = np.zeros((0, 4))
 
 
-def way_past(pillar, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0), direct=0.0):
-    return detour(wish, heading, here, LENGTH, np.array([pillar]), NONE, direct)
+def way_round(pillars, rocks=NONE, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0), direct=0.0):
+    """Call `detour` with a fish in the types of `Fishes`."""
+    fish = tuple(np.float32(heading)), tuple(np.float32(here)), np.float32(LENGTH)
+    return detour(wish, *fish, pillars, rocks, direct)
+
+
+def way_past(pillar, **fish):
+    return way_round(np.array([pillar]), **fish)
 
 
 @pytest.mark.parametrize(
@@ -39,10 +45,10 @@ def test_pillars_aside_behind_far_or_below_are_ignored(pillar, why):
     turn=st.floats(-0.5, 0.5), radius=st.floats(20.0, 60.0),
 )  # fmt: skip
 def test_the_way_is_the_tangent_on_the_side_that_the_fish_heads_to(x, y, turn, radius):
-    heading = (np.cos(turn), np.sin(turn), 0.0)
+    heading = np.float32([np.cos(turn), np.sin(turn), 0.0]).astype(float)
     widest = np.arcsin(min((radius + BERTH) / np.hypot(x, y), 1.0)) + abs(np.arctan2(y, x))
     assume(widest < 0.5 * np.pi)  # else one of the sides leads away from the wish
-    way = way_past((x, y, radius, -50.0), heading)
+    way = way_past((x, y, radius, -50.0), heading=heading)
     if way == ZERO:
         assert abs(y) >= radius + BERTH or x - radius > LOOK_BL * LENGTH - 60.0
         return
@@ -76,11 +82,10 @@ def test_of_two_fishes_abreast_each_takes_its_own_side():
 def test_the_nearest_of_several_counts_rocks_among_them():
     pillars = np.array([[200.0, 5.0, 30.0, -50.0]])
     rock = np.array([[100.0, -5.0, -200.0, 40.0, 20.0, 30.0, 0.0]])
-    here = (0.0, 0.0, -200.0)
-    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, NONE, 0.0)[1] < 0.0
-    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock, 0.0)[1] > 0.0
+    assert way_round(pillars)[1] < 0.0
+    assert way_round(pillars, rock)[1] > 0.0
     rock[0, 2] = -260.0  # its top is below the fish
-    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock, 0.0)[1] < 0.0
+    assert way_round(pillars, rock)[1] < 0.0
 
 
 def test_a_fish_that_turns_back_ignores_obstacles_ahead():
@@ -102,7 +107,7 @@ def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn,
     pillars = np.array([(d * np.cos(a), d * np.sin(a), r, 0.0) for d, a, r in places])
     pillars = pillars[np.hypot(*pillars[:, :2].T) > pillars[:, 2] + BERTH + 1.0]
     heading = np.array([np.cos(turn), np.sin(turn), 0.0])
-    way = detour(AHEAD, tuple(heading), (0.0, 0.0, -200.0), LENGTH, pillars, NONE, direct)
+    way = way_round(pillars, heading=heading, direct=direct)
     if way == ZERO:
         return
     bearing, reach = np.arctan2(pillars[:, 1], pillars[:, 0]), np.hypot(*pillars[:, :2].T)
@@ -129,30 +134,28 @@ def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn,
 
 def test_a_rock_is_as_wide_as_it_is_at_the_height_of_the_fish():
     """At half its height, less the headroom, an ellipsoid has √3/2 of its width."""
-    here = (0.0, 0.0, -200.0)
     high = 30.0
     for side in (1.0, -1.0):
         middle = -200.0 + side * (0.5 * high + HEADROOM_BL * LENGTH)
         rock = np.array([[150.0, 0.0, middle, 40.0, 20.0, high, 0.3]])
-        way = detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock, 0.0)
+        way = way_round(NO_PILLARS, rock)
         sine = (40.0 * np.sqrt(0.75) + BERTH) / 150.0
         assert abs(way[1]) == pytest.approx(sine)
     rock[0, 2] = -200.0 + high + HEADROOM_BL * LENGTH + 0.1
-    assert detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock, 0.0) == ZERO
+    assert way_round(NO_PILLARS, rock) == ZERO
 
 
 def test_through_an_arch_it_swims_between_the_legs():
     """Pass between two legs to the leader beyond, not around the outside."""
     legs = np.array([[120.0, 100.0, 50.0, 0.0], [120.0, -100.0, 50.0, 0.0]])
     wish = (1.0, 0.6, 0.0)  # into the left leg
-    way = detour(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE, 0.0)
+    way = way_round(legs, wish=wish)
     assert abs(np.arctan2(way[1], way[0])) < np.radians(15.0)
 
 
 def test_it_rather_turns_than_goes_round_the_far_side_of_a_long_wall():
     """A fish beside a row of pillars turns back to the near end to reach a place behind it."""
     row = np.array([(60.0, y, 30.0, 0.0) for y in np.arange(-40.0, 241.0, 40.0)])
-    wish, heading = (0.6, -0.8, 0.0), (0.05, 1.0, 0.0)
-    way = detour(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE, 0.0)
-    assert way[1] < 0.0
-    assert detour((0.6, 0.8, 0.0), heading, (0.0, -20.0, -200.0), LENGTH, row, NONE, 0.0)[1] > 0.0
+    fish = {"heading": (0.05, 1.0, 0.0), "here": (0.0, -20.0, -200.0)}
+    assert way_round(row, wish=(0.6, -0.8, 0.0), **fish)[1] < 0.0
+    assert way_round(row, wish=(0.6, 0.8, 0.0), **fish)[1] > 0.0

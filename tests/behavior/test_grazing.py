@@ -47,7 +47,7 @@ def test_a_hungry_fish_with_food_on_stone_grazes_and_leaves_plankton_alone(tank)
     ("normal", "least", "most"), [((0, 0, 1), 45, 65), ((-1, 0, 0), 20, 50), ((0, 1, 0), 15, 60)]
 )
 def test_it_lies_nose_down_against_any_surface(normal, least, most):
-    lie = grazing.attitude((1.0, 0.0, 0.0), tuple(map(float, normal)))
+    lie = grazing.attitude((1.0, 0.0, 0.0), tuple(np.float32(normal)))
     assert norm(lie) == pytest.approx(1.0)
     assert np.dot(lie, normal) < -0.5  # into the surface
     assert least <= -np.degrees(np.arcsin(lie[2])) <= most

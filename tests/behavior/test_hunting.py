@@ -367,7 +367,7 @@ def test_hunger_decides_whether_it_hunts(around):
 def test_the_vacuum_falls_with_distance_and_never_overshoots(place, length):
     place = np.array(place)
     distance = np.linalg.norm(place)
-    flow = np.array(suction(tuple(-place), length, DT))
+    flow = np.array(suction(tuple(-place), np.float32(length), DT))
     full = SUCK_BL_S * length * max(1 - distance / (SUCK_BL * length), 0)
     assert np.linalg.norm(flow) == pytest.approx(min(full, distance / DT))
     assert flow @ place <= 0

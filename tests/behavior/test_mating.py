@@ -153,12 +153,12 @@ def test_a_female_prefers_her_species_then_size(tank, own, sizes):
     t = _bay(tank, 3)
     t.fishes.species[1:] = [0 if same else 1 for same in own]
     t.fishes.length[1:] = sizes
-    better = preferred(t.fishes, FEMALE, 1, 2)
+    better = preferred(t.fishes, FEMALE, 1, np.int32(2))
     if own[0] != own[1]:
         assert better == own[0]
     else:
         assert better == (sizes[0] > 1.05 * np.float32(sizes[1]))
-    assert not (better and preferred(t.fishes, FEMALE, 2, 1))
+    assert not (better and preferred(t.fishes, FEMALE, 2, np.int32(1)))
 
 
 def test_before_her_head_he_begins_to_loop_and_she_looks_on(tank):

@@ -71,11 +71,11 @@ def test_a_school_rests_its_share_of_the_time(tank, rest):
     """All of its fishes within a few seconds, never at once from full speed to rest."""
     t = tank(1)
     clocks = [t.at(tick).clock for tick in range(0, 400_000, 30)]
-    levels = np.array([moods.travel_drive(3, 7, rest, 0.5, clock) for clock in clocks])
+    levels = np.array([moods.travel_drive(3, 7, rest, np.float32(0.5), clock) for clock in clocks])
     assert (levels < 0.4 * moods.LEAST_TRAVEL).mean() == pytest.approx(rest, abs=0.08)
     assert levels.min() >= 0.0 and levels.max() <= 1.0
     assert np.abs(np.diff(levels)).max() < 0.3
-    late = [moods.travel_drive(4, 7, rest, 0.9, clock) for clock in clocks]
+    late = [moods.travel_drive(4, 7, rest, np.float32(0.9), clock) for clock in clocks]
     assert np.mean(np.abs(levels - late) > 0.5) < 0.05
 
 

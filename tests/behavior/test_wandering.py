@@ -107,10 +107,14 @@ def test_a_near_solid_bars_only_a_way_that_leads_to_it(tank):
     sea = tank(
         1, pillars=[(0.0, 0.0, 40.0, 0.0)], rocks=[(0.0, 300.0, -200.0, 40.0, 40.0, 40.0, 0)]
     ).sea
+
+    def is_broad(*way):
+        return wandering.is_broad(sea, *(tuple(np.float32(place)) for place in way))
+
     for here in ((60.0, 0.0, -200.0), (60.0, 300.0, -200.0)):
-        assert wandering.is_broad(sea, here, (500.0, here[1], -200.0))
-        assert not wandering.is_broad(sea, here, (-500.0, here[1], -200.0))
-    assert not wandering.is_broad(sea, (-500.0, 130.0, -200.0), (500.0, 130.0, -200.0))
+        assert is_broad(here, (500.0, here[1], -200.0))
+        assert not is_broad(here, (-500.0, here[1], -200.0))
+    assert not is_broad((-500.0, 130.0, -200.0), (500.0, 130.0, -200.0))
 
 
 def test_a_fish_with_a_home_wanders_near_it(tank):

@@ -34,7 +34,7 @@ def means(values):
 
 def frames(x):
     tangent, normal = np.empty((2, SECTIONS, 3))
-    section_frames(x, tangent, normal)
+    section_frames(np.ascontiguousarray(x), tangent, normal)
     return tangent, normal
 
 
@@ -102,6 +102,7 @@ def test_the_force_turns_with_the_body_and_ignores_a_common_current(seed):
     turn, current = Rotation.random(random_state=random.integers(2**31)), random.normal(0, 2, 3)
 
     def force(x, v, water):
+        v = np.ascontiguousarray(v)  # not the columns of a rotation
         tangent, normal = frames(x)
         load = np.zeros((30, 3))
         before = frames(x - STEP * (v - water))[1]

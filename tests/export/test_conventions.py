@@ -27,7 +27,7 @@ def test_the_axes_are_right_handed_and_rotations_agree() -> None:
     np.testing.assert_allclose(to_metres(up, Z_UP), (0, 0, 1))
     np.testing.assert_allclose(to_metres(-right, Y_UP), (1, 0, 0))
     np.testing.assert_allclose(to_metres(-right, Z_UP), (1, 0, 0))
-    rotation = np.array(normalised(np.array([0.3, -0.5, 0.2, 0.7])))
+    rotation = np.array(normalised((0.3, -0.5, 0.2, 0.7)))
     for axes in (Y_UP, Z_UP):
         assert np.linalg.det(axes) > 0.0
         point = to_metres(matrix(rotation) @ ahead, axes)

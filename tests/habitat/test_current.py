@@ -112,7 +112,7 @@ def test_simulated_fishes_feel_what_carries_fishes_at_their_snouts_and_tails(mak
     )
     fishes.orientation[:] = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0  # ahead along x
     fishes.length[:], fishes.snout[:], fishes.live[::2] = 20.0, 6.0, True
-    who = np.arange(-1, 50)
+    who = np.arange(-1, 50, dtype=np.int32)
     shear = shear_at(who, fishes, sea, ALONE, np.array(FLOW))
     middle, carried = fishes.position.copy(), []
     for along in (0.0, 6.0, -14.0):

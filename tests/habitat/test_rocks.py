@@ -97,15 +97,15 @@ def test_the_hull_passes_through_the_least_arch_and_through_no_stone(seed):
 def test_a_school_swims_through_and_into_no_stone():
     base = load_scenario("peaceful")[0]
     school = Shoal(
-        species="fusilier", number=12, position_cm=(-330, 0, -500), spread_cm=60, heading_deg=0,
-        toward_cm=(600, 0, -500), hunger=0.0, digestion=1e-4,
+        species="fusilier", number=12, position_cm=(-330.0, 0.0, -500.0), spread_cm=60,
+        heading_deg=0, toward_cm=(600.0, 0.0, -500.0), hunger=0.0, digestion=1e-4,
     )  # fmt: skip
     scenario = Scenario(
         title="An arch", seed=1, bounds=base.bounds, fish=[school],
         water=msgspec.structs.replace(base.water, plankton=0),
         terrain=Terrain(dune_height_cm=20, dune_length_cm=900, seed=3),
-        submarine=Start(position_cm=(-900, 0, -300)),
-        arch=[Arch(position_cm=(0, 0), span_cm=350, height_cm=250, yaw_deg=90, seed=1)],
+        submarine=Start(position_cm=(-900.0, 0.0, -300.0)),
+        arch=[Arch(position_cm=(0.0, 0.0), span_cm=350, height_cm=250, yaw_deg=90, seed=1)],
     )  # fmt: skip
     world = create_world(scenario)
     sea, fishes = world.state.sea, world.state.fishes

@@ -60,7 +60,7 @@ def test_the_current_digs_about_a_rock_and_heaps_up_behind_it():
     flat = np.full((161, 161), -300.0, np.float32)
     rocks = np.array([[0.0, 0.0, -290.0, 60.0, 60.0, 50.0, 0.0]])
     made = drifted(flat, 800.0, np.zeros((0, 4)), rocks, (5.0, 0.0))
-    beside, lee, luff, far = (height_at(made, 800.0, x, 0.0) for x in (68, 135, -135, 400))
+    beside, lee, luff, far = (height_at(made, 800.0, x, 0.0) for x in (68.0, 135.0, -135.0, 400.0))
     assert beside == pytest.approx(-300.0 - MOAT_CM, abs=2.0)
     assert lee == pytest.approx(-300.0 + MOUND_CM, abs=2.5)
     assert -299.5 < luff < lee - 4.0

@@ -83,7 +83,7 @@ def test_a_study_measures_the_distances_that_fishes_perceive():
     places = rng.uniform((40.0, -380.0, -380.0), (160.0, -220.0, -220.0), (40, 3))
     record = a_record(places[None], rocks=ROCKS)
     found, which = clearances(record)
-    bodies = np.stack([record.snout[0], record.position[0], record.tail[0]], axis=1)
+    bodies = np.stack([record.snout[0], record.position[0], record.tail[0]], axis=1).astype(float)
     no_pillars = np.zeros((0, 4))
     perceived = np.array([solid_clearances(no_pillars, ROCKS, body).min() for body in bodies])
     rock = which[0] == BARRIERS.index("rock")

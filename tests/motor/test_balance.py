@@ -29,7 +29,7 @@ def test_a_rolled_fish_rights_itself_at_a_bounded_rate(library, make_fishes, rol
     rolls = [np.radians(roll_deg)]
     for _ in range(400):
         play(everyone(fishes), fishes, library, TICK)
-        rolls.append(roll_of(fishes.orientation[0].astype(float)))
+        rolls.append(roll_of(tuple(fishes.orientation[0].astype(float))))
     assert abs(rolls[-1]) < np.radians(1.0)
     assert np.abs(np.diff(np.unwrap(rolls))).max() < np.radians(56) * TICK
     unwrapped = np.unwrap(rolls) * np.sign(roll_deg)

@@ -46,7 +46,8 @@ def gap(t, straight):
     """The least gap of snout, middle and tail to any barrier."""
     q = quaternion(t.fishes.orientation[0].astype(np.float64))
     nose, edge = (rotate(q, end) for end in ends(t.fishes, straight, 0))
-    return deepest(tuple(t.fishes.position[0].astype(np.float64)), nose, edge, t.sea, 0.0)[0]
+    middle = tuple(t.fishes.position[0].astype(np.float64))
+    return deepest(middle, nose, edge, t.sea, np.float32(0.0))[0]
 
 
 @pytest.mark.parametrize("barrier", PLACES)

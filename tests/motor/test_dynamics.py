@@ -39,6 +39,7 @@ from tests.support.daily import only
 
 TICK = 0.033
 STILL = np.zeros(3)
+KIND = np.uint8(0)  # of the only species of a tank, in the type of `Fishes.species`
 USUAL = Integration(TICK, 1.0, 6, STRAIN_LIMITS, np.zeros((1, 2, 3)))
 
 every_species = pytest.mark.parametrize("species", muscular_names())
@@ -87,7 +88,7 @@ def test_muscles_contract_as_the_plain_controllers_say(make_tank, species, gear)
     bend = plan.turn.gradual
     for side, phase in product((LEFT, RIGHT), np.linspace(0.0, 6.0, 7)):
         lengths = np.empty(12)
-        contract(bodies, 0, phase, gear, side * np.array(bend), lengths)
+        contract(bodies, KIND, phase, float(gear), side * np.array(bend), lengths)
         contraction = _geared(plan.swim, gear, phase) + bend_contraction(bend, side)
         expected = muscle_lengths(build_body(plan.body), np.minimum(contraction, MAX_CONTRACTION))[
             0
@@ -147,7 +148,7 @@ def test_fins_push_as_the_plain_ones_do(make_tank, roll):
     tilt = 0.5 * (left - right)
     fins = np.pi / 2 + tilt, np.pi / 2 - tilt
     expected = pectoral_force(state, bodies.fin_area[0], *fins, STILL)
-    force = fin_force(bodies, 0, rest @ R.T, v, 0.0) @ to_y.T
+    force = fin_force(bodies, KIND, rest @ R.T, v, 0.0) @ to_y.T
     np.testing.assert_allclose(force, expected, atol=1e-3 * np.abs(expected).max())
 
 
@@ -158,13 +159,14 @@ def test_spread_median_fins_resist_sway_and_yaw_and_pelvic_fins_brake(make_tank)
     ahead, right = np.eye(3)[[0, 2]]
     sway = np.tile(2.0 * right, (23, 1))
     turning = np.cross([0.0, 0.3, 0.0], x)
-    forces = [spread_force(bodies, 0, x, v, 1.0, 0.0) for v in (sway, sway / 2, turning)]
+    none, half, whole = np.float32([0.0, 0.5, 1.0])
+    forces = [spread_force(bodies, KIND, x, v, whole, none) for v in (sway, sway / 2, turning)]
     push = [force.sum(axis=0) @ right for force in forces]
     assert push[0] < 0.0 and push[0] == pytest.approx(4.0 * push[1])
     assert push[0] == pytest.approx(-bodies.median_area[0] * 4.0)
     assert np.cross(x, forces[2]).sum(axis=0)[1] < 0.0
-    assert not spread_force(bodies, 0, x, sway, 0.0, 1.0).any()
-    brake = spread_force(bodies, 0, x, np.tile(3.0 * ahead, (23, 1)), 0.0, 0.5)
+    assert not spread_force(bodies, KIND, x, sway, none, whole).any()
+    brake = spread_force(bodies, KIND, x, np.tile(3.0 * ahead, (23, 1)), none, half)
     np.testing.assert_allclose(brake.sum(axis=0), -4.5 * bodies.pelvic_area[0] * ahead, atol=1e-9)
     # Both are small beside the drag of the body: some hundredths of the squared length.
     areas = np.array([bodies.median_area[0], bodies.pelvic_area[0]]) / 24.0**2
@@ -338,7 +340,7 @@ def test_muscles_alone_turn_it_and_fins_pitch_it_no_harder_than_they_lift(make_t
     x -= bodies.inertia[0] @ x / bodies.inertia[0].sum()
     _, _, across = matrix(np.array(frame_of(x)[0])).T
     for rate in (0.5, -0.5):
-        couple = np.cross(x, pitching_force(bodies, 0, x, v, rate)).sum(axis=0)
+        couple = np.cross(x, pitching_force(bodies, KIND, x, v, rate)).sum(axis=0)
         arms = np.cross(across, x)
         speed = np.linalg.norm(v[1:13].mean(axis=0))
         most = bodies.pitching[0] * speed**2

@@ -72,7 +72,7 @@ def test_playback_is_equivariant(library, turn, scale):
     ):
         array[:] = value
     upright = about(1.0, 0.0, 0.0, np.pi / 2)
-    turned = multiply(np.array(turn) / np.linalg.norm(turn), upright)
+    turned = multiply(tuple(np.array(turn) / np.linalg.norm(turn)), upright)
     fishes.orientation[0], fishes.orientation[1] = upright, turned
     fishes.position[1] = 10.0, -20.0, -30.0
     fishes.scale[1] = scale

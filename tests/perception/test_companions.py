@@ -57,7 +57,7 @@ def test_the_range_of_vision_limits_sight(tank):
 
 
 def test_clarity_is_full_in_daylight_and_none_in_the_dark():
-    assert [clarity(light) for light in (0.0, 1e-4, 0.1, 1.0)] == [0, 0, 1, 1]
+    assert [clarity(light) for light in np.float32([0.0, 1e-4, 0.1, 1.0])] == [0, 0, 1, 1]
 
 
 def test_a_blind_fish_does_not_know_the_middle_of_its_school(tank):

@@ -55,7 +55,8 @@ def test_a_search_finds_all_whose_way_comes_near_and_nobody_else(tank, seed, n):
     middles = np.array([along_body(fishes, i, 0.5) for i in living]).reshape(-1, 3)
     radii = np.array([radius_of(fishes, i) for i in living])
     for lasts in (0.0, 0.5, 3.0):
-        here, velocity = rng.normal((0, 0, -300), (200, 60, 40)), rng.normal(0, 30, 3)
+        here = rng.normal((0, 0, -300), (200, 60, 40))
+        velocity = rng.normal(0, 30, 3).astype(np.float32)
         found = met(crowd, Path(tuple(here), tuple(velocity), 25.0, lasts))
         gaps, drift = middles - here, fishes.velocity[living].astype(float) - velocity
         closest = np.clip(-(gaps * drift).sum(1) / (drift**2).sum(1), 0.0, lasts)
@@ -99,7 +100,7 @@ def test_a_search_in_a_school_looks_at_few_of_its_fishes(tank):
     low, high = boxes[:, LOW:HIGH], boxes[:, HIGH:SLOWEST]
     gap = np.maximum(np.maximum(low - middle, middle - high), 0.0)
     blocks = ((gap**2).sum(axis=1) < reach**2).sum()
-    near = len(met(crowd, Path((0.0, 0.0, -375.0), ZERO, 20.0, 0.0)))
+    near = len(met(crowd, Path(tuple(np.float32([0.0, 0.0, -375.0])), ZERO, 20.0, 0.0)))
     assert near > 0
     assert blocks <= 16
 
@@ -109,6 +110,6 @@ def test_in_a_box_images_are_found_beyond_its_sides(tank):
     t.fishes.period[:] = 1000.0
     t.fishes.position[:] = (490.0, 0.0, -300.0), (0.0, 0.0, -300.0)
     crowd = crowd_of(t.fishes)
-    found = met(crowd, Path((-480.0, 0.0, -300.0), ZERO, 60.0, 0.0))
+    found = met(crowd, Path(tuple(np.float32([-480.0, 0.0, -300.0])), ZERO, 60.0, 0.0))
     assert list(crowd.member[found]) == [0]
     assert place_of(crowd, found[0])[0] < -500.0

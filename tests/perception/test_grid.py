@@ -20,7 +20,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 def _nearest(grid, p, reach, but, k, guess=10.0):
     found, gaps = np.zeros(k, np.int32), np.zeros(k)
-    nearest(grid, p, reach, but, found, gaps, guess)
+    nearest(grid, tuple(np.float32(p)), reach, but, found, gaps, guess)
     return found, gaps
 
 

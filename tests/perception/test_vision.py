@@ -127,7 +127,8 @@ def test_occlusion_of_points_and_fishes_against_brute_force(tank, seed):
         verdicts.append(verdict)
         if verdict is not None:
             assert hidden(scene, eye, p) == verdict
-            assert sees_point(bodies, 0, scene, p, 1e3) == (in_field(p) and not verdict)
+            seen = sees_point(bodies, 0, scene, tuple(map(float, p)), 1e3)
+            assert seen == (in_field(p) and not verdict)
     if None not in verdicts:
         assert _sees(t, 0, 1) == (in_field(t.fishes.position[1]) and not all(verdicts))
 

@@ -26,7 +26,7 @@ def a_record(position, orientation=EAST, **changed):
     """
     position = np.asarray(position, np.float32)
     ticks, n = position.shape[:2]
-    turns = np.broadcast_to(np.asarray(orientation, np.float32), (ticks, n, 4))
+    turns = np.broadcast_to(np.asarray(orientation, np.float32), (ticks, n, 4)).copy()
     ahead = headings(turns)
     zeros = np.zeros((ticks, n), np.int32)
     mental = np.zeros((ticks, n, 3), np.float32)

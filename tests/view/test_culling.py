@@ -107,8 +107,8 @@ def test_no_fish_with_a_visible_vertex_is_culled(drawn, which, turn, at, length,
     ahead, aside, up = at[2], at[0] * at[2], at[1] * at[2]  # many are about the edges
     centre = EYE + [ahead, aside, 0.6 * up]
     vertices = centre + length * places @ R.T
-    radii = np.array([ENLARGED * radius * length], np.float32)
-    _, distance = coverage(centre[None].astype("f4"), radii, np.array([length]), view_arrays(views))
+    radii, lengths = np.float32([[ENLARGED * radius * length], [length]])
+    _, distance = coverage(centre[None].astype("f4"), radii, lengths, view_arrays(views))
     for view, (away,) in zip(views, distance, strict=True):
         if _inside(vertices, view).any():
             assert np.isfinite(away)

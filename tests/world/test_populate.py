@@ -64,7 +64,7 @@ def test_no_body_begins_in_a_solid():
         for i in range(12):
             turn = quaternion(fishes.orientation[i])
             parts = [rotate(turn, end) for end in ends(fishes, nodes, i)]
-            gap, _ = deepest(vector(fishes.position[i]), *parts, world.state.sea, 0.0)
+            gap, _ = deepest(vector(fishes.position[i]), *parts, world.state.sea, np.float32(0.0))
             assert gap > -0.01
         assert (fishes.velocity == 0.0).all()
         assert (fishes.previous_position == fishes.position).all()

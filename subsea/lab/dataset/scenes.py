@@ -247,7 +247,7 @@ def near_a_fish(
     world: World, random: np.random.Generator, settings: dict[str, Any]
 ) -> CameraPose | None:
     """Find a place in free water from which a fish can be seen; None if there is none."""
-    fishes, sea = world.fishes, world.sea
+    fishes, sea = world.fishes, world.internal.state.sea
     alive = np.flatnonzero(fishes.alive)
     for _ in range(TRIES if len(alive) else 0):
         pick, round_, up, turn, lift = random.random(5)

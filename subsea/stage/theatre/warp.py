@@ -131,7 +131,8 @@ def describe_warp(warp: Warp) -> str:
 def rasterized(warp: Warp, values: Array, size: tuple[int, int]) -> Array:
     """Values (n,) of the vertices over all pixels (h, w), upper row first; 0 where dark."""
     picture = np.zeros((size[1], size[0]))
-    _rasterize(warp.vertices[:, :2].astype(np.float64), warp.triangles, values, picture)
+    places, values = warp.vertices[:, :2].astype(np.float64), np.ascontiguousarray(values)
+    _rasterize(places, warp.triangles, values, picture)
     return picture[::-1]
 
 
