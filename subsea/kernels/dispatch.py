@@ -16,9 +16,9 @@ from numba.core.registry import CPUDispatcher
 PLAIN = frozenset(
     {int, float, bool, type(None), np.bool_, np.uint8, np.int32, np.int64, np.float32, np.float64}
 )
-"""Classes of which all objects have the same type in kernels."""
+"""Classes whose objects all have one type in kernels."""
 POINTED: set[type] = set()
-"""Classes of groups of arrays, each of which knows its own type (`struct_ref.py`)."""
+"""Classes of groups of arrays: each group knows its own type (`struct_ref.py`)."""
 MOST_KEPT = 256
 
 Code = Callable[..., Any]
@@ -29,7 +29,7 @@ _kept: dict[
 
 
 def traits(values: tuple[Any, ...]) -> tuple[Any, ...]:
-    """What decides the types of arguments; a TypeError for those that only numba can tell."""
+    """Read what decides the types of arguments; a TypeError where only numba can tell."""
     found: list[Any] = []
     for value in values:
         kind = type(value)

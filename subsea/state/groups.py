@@ -402,9 +402,7 @@ class Sea(NamedTuple):
     absent: Annotated[
         F32, water("p", unit="s"), "time until an eaten speck is back; negative: it sinks"
     ]
-    deflection: Annotated[
-        F32, habitat("p", 2), "velocity that solids add to the current there, over its speed"
-    ]
+    deflection: Annotated[F32, habitat("p", 2), "of the current by solids, over its speed"]
     seaweed: Annotated[F32, habitat("c", 6, unit="cm"), "bounding box of each cluster: low, high"]
 
     sky: Annotated[

@@ -30,8 +30,8 @@ def _world(seed=None, fish=None):
 def voyage():
     """40 s of the peaceful bay.
 
-    World, paths of fishes (T, n, 3) and of the hull (T, 3), who is close to stone (T, n), and who
-    holds its place (T, n).
+    World, paths of fishes (T, n, 3) and of the hull (T, 3), and whether each fish is close to stone
+    and holds its place (T, n).
     """
     world = create_world(load_scenario("peaceful", ["seaweed=[]"])[0])  # which is slow
     path, hull, close, holds = [], [], [], []
