@@ -128,7 +128,7 @@ def test_welding_keeps_the_surface():
     for other in fewer:
         corners = other.place[other.triangles]
         np.testing.assert_allclose(corners, mesh.place[mesh.triangles], atol=2e-5)
-    # Tubes of five sides and three rings, the last a point: 18 vertices, of which 11 differ.
+    # A tube of five sides and three rings, the last a point, has 18 vertices; 11 of them differ.
     tubes = len(mesh.place) // 18
     assert [len(other.place) for other in fewer] == [18 * tubes, 11 * tubes]
     assert len(np.unique(fewer[1].triangles)) == 11 * tubes
