@@ -13,10 +13,11 @@ uniform sampler2D u_polyps;  // of cups: slopes, height; pits
 
 in vec3 v_world;
 in vec3 v_normal;
+in float v_sunward;
 centroid in vec4 v_colour;
 centroid in vec4 v_grain;
 in vec2 v_along;
-centroid in vec3 v_sun;
+centroid in float v_caustics;
 centroid in vec3 v_clear;
 centroid in vec3 v_veil;
 
@@ -43,15 +44,13 @@ void main() {
     float height = dot(v_grain.xyz, texture(u_grain, v_along).rgb);
     vec3 normal = normalize(v_normal);
     // Which way on the grain the sun is: what rises toward it is darker.
-    float toward_x = dot(dFdx(v_world), SUN), toward_y = dot(dFdy(v_world), SUN);
-    vec2 sunward = toward_x * dFdx(v_along) + toward_y * dFdy(v_along);
+    vec2 sunward = dFdx(v_sunward) * dFdx(v_along) + dFdy(v_sunward) * dFdy(v_along);
     sunward *= 0.007 * inversesqrt(dot(sunward, sunward) + 1e-12);
     float rise = dot(v_grain.xyz, texture(u_grain, v_along + sunward).rgb) - height;
-    vec3 sun = v_sun * sunny(v_world + 1.5 * normal);
+    vec3 sun = SUNLIGHT * (v_caustics * sunny(v_world + 1.5 * normal));
     // Valleys between ridges are a shade of their own.
     vec3 colour = mix(v_colour.rgb, SKELETON, bitten(v_world)) * clamp(1.0 + vec3(0.58, 0.46, 0.62) * height, 0.25, 1.6);
     float open = v_grain.a * clamp(1.0 + 0.5 * height, 0.4, 1.2);
-    vec3 view = normalize(v_world - u_eye);
 #ifdef CLOSE_UP
     // Farther off than an arm's length the texture is even: its mean is 0.
     vec4 fine = POLYP_SPAN * texture(u_polyps, v_along * FINER) - 0.5 * POLYP_SPAN;
@@ -61,17 +60,19 @@ void main() {
     colour *= clamp(1.0 + vec3(0.28, 0.25, 0.22) * relief, 0.3, 1.5);
     open *= clamp(1.0 + 0.3 * relief, 0.5, 1.15);
 #endif
-    vec3 light = light_from(sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world, normal, 0.25) * open;
-    // Thin parts and tips glow with the light from behind.
-    float behind = max(dot(view, SUN), 0.0);
-    light += v_colour.a * (0.16 + 0.5 * behind * behind) * open * sun;
-    vec3 lit = colour * light;
+    float facing = max(dot(normal, SUN) + 0.25, 0.0) / 1.25 * clamp(1.0 - 1.6 * rise, 0.2, 2.0);
+    vec3 light = sun * (facing + v_colour.a) + mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z);
+#ifdef LIT
+    light += lamplight_on(v_world, normal, 0.25) / daylight(v_world.z);  // as that is in `v_clear`
+#endif
+    vec3 lit = colour * light * open;
 #ifdef CLOSE_UP
+    vec3 view = normalize(v_world - u_eye);
     // Living skin is wet, and a fuzz of tentacles catches light at its outline.
     float rim = 1.0 - clamp(-dot(normal, view), 0.0, 1.0);
     float mirror = max(dot(normal, normalize(SUN - view)), 0.0);
     mirror *= mirror; mirror *= mirror; mirror *= mirror; mirror *= mirror;
     lit += open * (0.05 * mirror * mirror + 0.25 * rim * rim * rim * v_colour.rgb) * sun;
 #endif
-    show(EXPOSURE * lit * v_clear, v_veil, v_clear, 1.0);
+    show(lit * v_clear, v_veil, v_clear / (EXPOSURE * daylight(v_world.z)), 1.0);
 }

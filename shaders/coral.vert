@@ -10,11 +10,12 @@ in vec2 a_along;   // place on the grain
 
 out vec3 v_world;
 out vec3 v_normal;
-centroid out vec4 v_colour;
+out float v_sunward;  // cm toward the sun
+centroid out vec4 v_colour;  // and what glows from behind
 centroid out vec4 v_grain;
 out vec2 v_along;
-centroid out vec3 v_sun;    // vertices are closer together than the caustics' lines
-centroid out vec3 v_clear;  // haze changes so slowly that the vertices suffice
+centroid out float v_caustics;  // vertices are closer together than their lines
+centroid out vec3 v_clear;      // daylight and haze change so slowly that the vertices suffice
 centroid out vec3 v_veil;
 #ifdef OBJECT_IDS
 in float a_object_id;
@@ -28,14 +29,18 @@ void main() {
     place += MOST_SWAY_CM * a_normal.w * sway_at(place);
     v_world = place;
     v_normal = 2.0 * a_normal.xyz - 1.0;
-    v_colour = vec4(a_colour.rgb * a_colour.rgb, a_colour.a);
+    v_sunward = dot(place, SUN);
     v_grain = a_grain;
     v_along = a_along;
-    v_sun = sunlight_at(place.z) * caustics_at(place);
+    v_caustics = caustics_at(place);
     vec3 ray = place - u_eye;
     float distance = length(ray);
+    // Thin parts and tips glow with the light from behind.
+    float behind = max(dot(ray, SUN) / distance, 0.0);
+    v_colour = vec4(a_colour.rgb * a_colour.rgb, a_colour.a * (0.16 + 0.5 * behind * behind));
     v_clear = clearness(distance);
     v_veil = open_water(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
+    v_clear *= EXPOSURE * daylight(place.z);
 #ifdef OBJECT_IDS
     v_object_id = a_object_id;
 #endif

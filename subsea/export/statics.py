@@ -24,7 +24,7 @@ from subsea.habitat.terrain import variant_of
 from subsea.rendering.gl.textures import tileable_noise
 from subsea.rendering.reef import rocks as rock_mesh
 from subsea.rendering.reef.coral import ALGAE, DULL, LOOKS, PlacedGrowths, contact, tints
-from subsea.rendering.reef.coral_kinds import LEVELS, forms
+from subsea.rendering.reef.coral_kinds import forms
 from subsea.rendering.reef.coral_mesh import CoralMesh, unit
 from subsea.rendering.reef.rocks import overgrown
 from subsea.rendering.reef.seaweed import BentFronds, bent_fronds
@@ -146,7 +146,7 @@ def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
         mine = (reef.kind == kind) & (variant == form) & (pair == number)
         growths, look = reef.taken(mine), LOOKS[names[kind]]
         placed = PlacedGrowths(names[kind], growths)
-        mesh = levels[kind, form][min(detail + 1, LEVELS - 1)]
+        mesh = levels[kind, form][min(detail + 1, len(levels[kind, form]) - 1)]
         places = np.tile(np.eye(4), (len(growths.kind), 1, 1))
         places[:, :3, :3] = np.swapaxes(placed.axes, 1, 2)
         places[:, :3, 3] = placed.place

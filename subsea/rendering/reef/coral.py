@@ -22,7 +22,7 @@ from subsea.rendering.gl.textures import (
     tileable_noise,
 )
 from subsea.rendering.output.quality import Quality
-from subsea.rendering.reef.coral_kinds import LEVELS, forms
+from subsea.rendering.reef.coral_kinds import forms
 from subsea.rendering.reef.coral_mesh import CoralMesh, unit
 from subsea.state import Reef
 
@@ -206,7 +206,7 @@ FINEST_CM = 12.0  # radius below which growths have no finest level
 SHADED = 0.4  # share of the light left where stone hides the whole sky
 FOOT_DARK, FOOT_REACH = 0.55, 0.16  # light missing at the foot; radii over which it returns
 CAST_LEVEL = 2  # of shadows on the map of the sun
-THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # diameters from which the levels are used
+THRESHOLDS_PX = (300.0, 120.0, 50.0, 28.0, 16.0)  # diameters from which the levels are used
 # Position; then words of four bytes: normal and sway; square root of the colour, and translucency;
 # strength of the three grains, and light; last the texture position, in half floats.
 LAYOUT = "3f4 4f1 4f1 4f1 2f2"
@@ -265,11 +265,13 @@ def _baked(
         placed = PlacedGrowths(list(KINDS)[group[0]], reef.taken(chosen))
         for number, k in enumerate(chosen.tolist()):
             # No eye comes near enough to a small one to need the finest level.
-            shapes[k] = [
+            small = int(reef.radius[k] < FINEST_CM)
+            own = [
                 LazyMesh(partial(columns, placed, mesh, number), len(mesh.tip), mesh.triangles)
-                for mesh in levels[int(reef.radius[k] < FINEST_CM) :]
+                for mesh in levels[small:]
             ]
-    return [own if len(own) == LEVELS else [own[0], *own] for own in shapes]
+            shapes[k] = own[:small] + own
+    return shapes
 
 
 def spheres(reef: Reef) -> Array:

@@ -1,4 +1,4 @@
-"""Shapes of corals, sponges and anemones: meshes of size 1 at five levels of detail.
+"""Shapes of corals, sponges and anemones: meshes of size 1 at five or six levels of detail.
 
 The number of a variant seeds it, so its levels are of one growth: coarser ones leave small parts
 out and make the others thicker.
@@ -35,6 +35,7 @@ from subsea.rendering.reef.coral_mesh import (
     tubes,
     turned,
     unit,
+    welded,
 )
 
 
@@ -54,7 +55,7 @@ def staghorn(rng: Rng, level: int) -> CoralMesh:
     few = few._replace(
         start=0.4 * few.start, way=unit(few.start + 0.4 * few.way), length=0.75 + 0 * few.length
     )
-    return few.tubes(2, 3, False, 2.2, pale=0.3)
+    return few.spikes(0.0, 3.2, pale=0.3) if level == 4 else few.tubes(2, 3, False, 2.2, pale=0.3)
 
 
 def bush(rng: Rng, level: int) -> CoralMesh:
@@ -79,6 +80,8 @@ def bush(rng: Rng, level: int) -> CoralMesh:
     if level == 1:
         return fingers.tubes(2, 5, False, 1.1, pale=0.4, dark=0.12)
     few = fingers.taken(np.arange(0, number, 2 if level == 2 else 6))
+    if level == 4:
+        return few.spikes(0.85, 2.7, pale=0.0, dark=0.3)
     return few.tubes(2, 3, False, 1.5 if level == 2 else 2.5, pale=0.25, dark=0.15)
 
 
@@ -91,9 +94,10 @@ def finger(rng: Rng, level: int) -> CoralMesh:
         return both.tubes(5, 10, True, pale=0.3, sway=0.5, dark=0.25)
     if level == 1:
         return both.tubes(2, 5, True, pale=0.1, sway=0.5, dark=0.25)
-    few = knobs.taken(np.arange(0, len(knobs.length), level))
+    few = knobs.taken(np.arange(0, len(knobs.length), (2, 3, 5)[level - 2]))
     few = few._replace(length=few.length + 0.2, start=few.start - 0.2 * few.way)
-    return few.tubes(2, 4 if level == 2 else 3, False, 1.25, pale=0.1, sway=0.5, dark=0.25)
+    sides, thicker = ((4, 1.25), (3, 1.25), (3, 1.6))[level - 2]
+    return few.tubes(2, sides, False, thicker, pale=0.1, sway=0.5, dark=0.25)
 
 
 def soft(rng: Rng, level: int) -> CoralMesh:
@@ -119,10 +123,10 @@ def soft(rng: Rng, level: int) -> CoralMesh:
             *(one.tubes(3, sides, False, sway=0.7, pale=1.5, dark=0.5) for one, sides in parts)
         )
     else:
-        few = boughs.taken(np.arange(0, 11, max(level - 1, 1)))
+        few = boughs.taken(np.arange(0, 11, (1, 1, 2, 6)[level - 1]))
         sides = 4 if level == 1 else 3
         stem = together(trunk, few).tubes(2, sides, False, sway=0.7, pale=1.5)
-    step, larger = ((1, 1.0), (2, 1.4), (9, 2.7), (25, 4.2))[level]
+    step, larger = ((1, 1.0), (2, 1.4), (9, 2.7), (25, 4.2), (40, 4.6))[level]
     heads, size = heads[::step], larger * size[::step]
     # Spindles that stand out from their bunch.
     out = unit(unit(heads - np.array([0.0, 0.0, 0.6])) + 0.5 * rng.normal(size=heads.shape))
@@ -132,7 +136,7 @@ def soft(rng: Rng, level: int) -> CoralMesh:
     path = heads[:, None] + (size[:, None] * (2.4 * shares - 0.9))[..., None] * out[:, None]
     radius = size[:, None] * wide
     bulbs = tubes(
-        path, radius, (5, 4, 3, 3)[level], tip=0.8 + 0.2 * shares,
+        path, radius, (5, 4, 3, 3, 3)[level], tip=0.8 + 0.2 * shares,
         light=thicket_light(path, 0.45), sway=0.7 * out_share(path),
     )  # fmt: skip
     return joined(stem, bulbs)
@@ -163,10 +167,12 @@ def fan(rng: Rng, level: int) -> CoralMesh:
         angle = 0.93 * np.concatenate([bent, (angle - side * spread)[fork == 2]])
         number, length = len(angle), 0.86 * length if order < 3 else 0.93 * length
     rows = np.concatenate(twigs)
-    orders = (9, 7, 5, 4)[level]
+    orders = (9, 7, 5, 4, 3)[level]
     rows = rows[rows[:, 6] < orders]
     if level:  # thicker, because fewer
-        rows[:, 4:6] *= (1.0, 1.4, 2.4, 3.4)[level]
+        rows[:, 4:6] *= (1.0, 1.4, 2.4, 3.4, 3.7)[level]
+    if level > 2:  # the last twigs are spikes
+        rows[rows[:, 6] == orders - 1, 4:6] *= (1.4, 0.0)
     share = np.array([0.0, 1.0])[None, :, None]
     flat = rows[:, None, 0:2] + share * (rows[:, None, 2:4] - rows[:, None, 0:2])
     warp = 0.09 * np.sin(2.2 * flat[..., 0] + rng.uniform(0, 6)) * flat[..., 1]
@@ -180,7 +186,7 @@ def fan(rng: Rng, level: int) -> CoralMesh:
 
 def rubble(rng: Rng, level: int) -> CoralMesh:
     """Dead, broken branches lying about."""
-    number = (22, 14, 8, 4)[level]
+    number = (22, 14, 8, 4, 3)[level]
     turn, far = rng.uniform(0, 2 * np.pi, 22), np.sqrt(rng.uniform(0, 1, 22)) * 0.8
     at = np.stack([far * np.cos(turn), far * np.sin(turn), 0.02 + rng.uniform(0, 0.03, 22)], axis=1)
     lie = rng.uniform(0, 2 * np.pi, 22)
@@ -193,13 +199,13 @@ def rubble(rng: Rng, level: int) -> CoralMesh:
         size[:, None] * np.array([1.0, 0.7]), np.zeros(22),
     ).taken(np.arange(number))  # fmt: skip
     return sticks.tubes(
-        2, 4 if level == 0 else 3, False, (1.0, 1.2, 1.5, 2.0)[level], pale=0.3, dark=0.7
+        2, 4 if level == 0 else 3, False, (1.0, 1.2, 1.5, 2.0, 2.2)[level], pale=0.3, dark=0.7
     )
 
 
 def table(rng: Rng, level: int) -> CoralMesh:
     """Flat plates on a short stem, one above another, with a finely branched rim."""
-    columns = (120, 40, 18, 10)[level]
+    columns = (120, 40, 18, 10, 7)[level]
     parts = []
     for tier in range(1 + int(rng.integers(0, 3))):
         wide = 1.0 if tier == 0 else rng.uniform(0.45, 0.7)
@@ -219,7 +225,7 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
     jag[-1] = jag[0]
     jag = (
         1.0
-        + (0.03, 0.02, 0.0, 0.0)[level] * (np.arange(columns + 1) % 2 - 0.5)
+        + (0.03, 0.02, 0.0, 0.0, 0.0)[level] * (np.arange(columns + 1) % 2 - 0.5)
         + 0.045 * (jag - 0.5)
     )
     # Stem up, under the plate outward, round the rim, and inward on the top.
@@ -243,7 +249,7 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
     mesh = turned(reach, rise + z, light=light[:, None], tip=pale[:, None])
     shift = np.append(off, 0.0) * np.clip(mesh.place[:, 2:] / z, 0.0, 1.0)
     mesh = mesh._replace(place=mesh.place + shift)
-    number = (300, 60, 0, 0)[level]
+    number = (300, 60, 0, 0, 0)[level]
     if not number:
         return mesh
     # Branchlets stand all over the top, closest together at the rim.
@@ -265,7 +271,7 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
 
 def brain(rng: Rng, level: int) -> CoralMesh:
     """A lumpy dome that overhangs its foot a little; its ridges are texture."""
-    columns, rings = ((46, 23), (20, 10), (10, 5), (7, 4))[level]
+    columns, rings = ((46, 23), (20, 10), (10, 5), (7, 4), (6, 4))[level]
     down = np.linspace(np.radians(112.0), 0.0, rings)[:, None]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     down = down + 0 * turn
@@ -287,7 +293,7 @@ def brain(rng: Rng, level: int) -> CoralMesh:
 
 def lettuce(rng: Rng, level: int) -> CoralMesh:
     """A ruffled plate wound about itself, wider and lower with each turn."""
-    c, r = ((130, 8), (52, 4), (22, 2), (11, 2))[level]
+    c, r = ((130, 8), (52, 4), (22, 2), (11, 2), (9, 2))[level]
     far = np.linspace(0.0, 1.0, c)[None, None, :]
     out = np.linspace(0.0, 1.0, r)[None, :, None]
     turn = far**0.8 * rng.uniform(4.2, 5.2) * np.pi
@@ -308,7 +314,7 @@ def lettuce(rng: Rng, level: int) -> CoralMesh:
 
 def leather(rng: Rng, level: int) -> CoralMesh:
     """A stalk with a cap whose rim is folded."""
-    columns = (72, 32, 14, 8)[level]
+    columns = (72, 32, 14, 8, 6)[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     r = np.array([0.42, 0.3, 0.34, 0.7, 0.98, 1.0, 0.8, 0.45, 0.0])
     h = np.array([0.0, 0.2, 0.42, 0.5, 0.6, 0.68, 0.66, 0.6, 0.55])
@@ -328,7 +334,7 @@ def leather(rng: Rng, level: int) -> CoralMesh:
 
 def mound(rng: Rng, level: int, variant: int = 0) -> CoralMesh:
     """Dead reef: the worn, crusted dome of `habitat.mounds`."""
-    columns, rings = ((52, 20), (20, 9), (11, 5), (7, 4))[level]
+    columns, rings = ((52, 20), (20, 9), (11, 5), (7, 4), (6, 4))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     down = np.linspace(np.radians(118.0), 0.0, rings)[:, None] + 0 * turn
     out = outline(variant, turn) * np.sin(down)
@@ -362,7 +368,7 @@ def _hollow(
 
 def pipes(rng: Rng, level: int) -> CoralMesh:
     """A cluster of tube sponges of different heights that lean apart."""
-    number, rings, sides = 8, (7, 5, 3, 2)[level], (14, 10, 7, 5)[level]
+    number, rings, sides = 8, (7, 5, 3, 2, 2)[level], (14, 10, 7, 4, 3)[level]
     turn = 2.39996 * np.arange(number) + rng.uniform(-0.4, 0.4, number)
     out = 0.17 * np.sqrt(np.arange(number) + 0.2)
     foot = np.stack([out * np.cos(turn), out * np.sin(turn), 0 * turn - 0.05], axis=1)
@@ -370,8 +376,6 @@ def pipes(rng: Rng, level: int) -> CoralMesh:
     lean = foot * (0.75, 0.75, 0.0) + rng.normal(0.0, 0.09, (number, 3)) * (1, 1, 0)
     wide = rng.uniform(0.85, 1.2, number) * 0.15
     wobble = rng.uniform(0.0, 6.28, (2, number))
-    if level == 3:
-        foot, high, lean, wide, wobble = foot[:5], high[:5], lean[:5], 1.2 * wide[:5], wobble[:, :5]
     s = np.linspace(0.0, 1.0, rings)[None, :]
     path = foot[:, None] + s[..., None] ** 1.5 * lean[:, None] + (high[:, None] * s)[..., None] * UP
     path[..., 0] += 0.05 * np.sin(4.0 * s + wobble[0][:, None]) * s
@@ -379,12 +383,19 @@ def pipes(rng: Rng, level: int) -> CoralMesh:
     radius = wide[:, None] * (
         0.8 + 0.35 * s - 0.1 * s**4 + 0.07 * np.sin(9.0 * s + wobble[1][:, None])
     )
-    return _hollow(path, radius, sides, max(rings // 2, 1), 0.32)
+    if level < 3:
+        return _hollow(path, radius, sides, max(rings // 2, 1), 0.32)
+    # A dark lid stands for the hollow.
+    path, radius = pointed(path, radius)
+    shut = path[:, [0, 1, 1]] - 0.1 * (path[:, [0, 1, 2]] - path[:, [0, 1, 1]])
+    way = unit(np.gradient(path, axis=1))
+    light, tip = np.array([0.45, 1.0, 0.2]), np.array([0.0, 0.6, 0.0])
+    return tubes(shut, radius, sides, way=way, tip=tip, light=light)
 
 
 def barrel(rng: Rng, level: int) -> CoralMesh:
     """A barrel sponge: a ribbed, lopsided vessel with a deep hollow."""
-    columns, rings = ((66, 12), (30, 7), (14, 4), (8, 3))[level]
+    columns, rings = ((66, 12), (30, 7), (14, 4), (8, 3), (6, 3))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     s = np.linspace(0.0, 1.0, rings)[:, None]
     belly = 0.55 + 0.62 * np.sin(np.pi * (0.12 + 0.62 * s)) ** 1.2 - 0.1 * s
@@ -412,7 +423,7 @@ def barrel(rng: Rng, level: int) -> CoralMesh:
 
 def anemone(rng: Rng, level: int) -> CoralMesh:
     """A crown of tentacles on a disc; they wave and have pale, swollen ends."""
-    number = (96, 60, 30, 14)[level]
+    number = (96, 60, 30, 14, 11)[level]
     fine = np.random.default_rng(int(rng.integers(2**31)))
     k = np.arange(96) + 0.5
     out, turn = np.sqrt(k / 96), k * 2.39996
@@ -430,27 +441,31 @@ def anemone(rng: Rng, level: int) -> CoralMesh:
     way = unit(
         flat * (0.15 + 1.25 * out[:, None] ** 1.5) + UP * (1.15 - 0.65 * out[:, None]) + ways
     )
-    rings = (6, 4, 3, 2)[level]
+    rings = (6, 4, 3, 2, 2)[level]
     s = np.linspace(0.0, 1.0, rings)[None, :, None]
     path = root[:, None] + length[:, None, None] * (
         s * way[:, None] + s**2 * (sags[:, None] * (0.8 * flat - 0.45 * UP))[:, None]
     )
-    radius = (0.05, 0.06, 0.085, 0.12)[level] * (
+    radius = (0.05, 0.06, 0.085, 0.12, 0.13)[level] * (
         1.0 - 0.35 * np.sin(np.pi * s[..., 0] ** 1.3) + 0.25 * s[..., 0] ** 6
     ) + 0 * path[..., 0]
     path, radius = capped(path, radius) if level == 0 else pointed(path, radius)
+    if level == 4:
+        radius[:, 0] = 0.0
     s = np.concatenate([s[0, :, 0], np.ones(path.shape[1] - rings)])
     tip, light = np.clip((s - 0.62) / 0.3, 0.0, 1.0), 0.2 + 0.8 * s**0.8
     crown = tubes(path, radius, 5 if level == 0 else 3, tip=tip, light=light, sway=s**1.3)
-    columns = (16, 12, 8, 6)[level]
+    columns = (16, 12, 8, 6, 5)[level]
     r = np.array([0.42, 0.36, 0.5, 0.3, 0.0])[:, None] + np.zeros(columns + 1)
     h = np.array([-0.05, 0.06, 0.19, 0.19, 0.14])[:, None] + np.zeros(columns + 1)
     foot = turned(r, h, light=np.array([0.35, 0.5, 0.5, 0.3, 0.3])[:, None])
     return joined(foot, crown)
 
 
-LEVELS = 5  # the last is a mere lump
-SMOOTH = ("mound", "brain", "barrel", "leather", "table", "lettuce")
+LEVELS = 6
+LUMPS = ("bush", "finger", "soft", "fan", "pipes", "anemone")  # others lack the last level: a lump
+WELDED = 2  # the level from which on vertices are welded
+TUBES = (*LUMPS, "staghorn", "rubble")  # too thin to show what welding does to their textures
 SHAPES: dict[str, Callable[[Rng, int], CoralMesh]] = {
     "staghorn": staghorn, "bush": bush, "table": table, "brain": brain, "lettuce": lettuce,
     "finger": finger, "leather": leather, "soft": soft, "fan": fan, "pipes": pipes,
@@ -459,25 +474,21 @@ SHAPES: dict[str, Callable[[Rng, int], CoralMesh]] = {
 }  # fmt: skip
 
 
-def lump(kind: str, mesh: CoralMesh) -> CoralMesh:
+def lump(kind: str, variant: int, mesh: CoralMesh) -> CoralMesh:
     """A few triangles as wide at each height, and as ragged, as a mesh."""
     x, y, z = mesh.place.T
-    flat, top = (0.1 if kind == "fan" else 1.0), z.max()
-    columns = 7
-    ragged = np.random.default_rng(len(mesh.place)).uniform(0.6, 1.0, columns + 1)
-    ragged = 0.5 + 0.5 * ragged if kind in SMOOTH else ragged
+    flat, top, columns = (0.1 if kind == "fan" else 1.0), z.max(), 5
+    ragged = np.random.default_rng([2, variant]).uniform(0.6, 1.0, columns + 1)
     ragged[-1] = ragged[0]
-    share = np.array([0.0, 0.5, 0.85, 1.0] if kind in SMOOTH else [0.0, 0.55, 1.0])
+    share = np.array([0.0, 0.55, 1.0])
     height = top * share
     wide = [np.hypot(x, y)[np.abs(z - h) < 0.3 * top].max(initial=0.1) for h in height[:2]]
-    if kind in SMOOTH:
-        wide.append(0.6 * wide[1])
     reach = np.array([*wide, 0.0])[:, None] * ragged
     rise = height[:, None] * (1.0 + 0.25 * (ragged - 1.0))
     rise[1] += 0.4 * top * (ragged[::-1] - 0.8)
-    dark = 0.7 if kind == "table" else 0.35
-    light = np.interp(share, [0.0, 0.55, 1.0], [dark, 0.85, 0.8])[:, None]
-    tip = np.interp(share, [0.0, 0.55, 1.0], [0.1, 0.6, 0.5])[:, None] * ragged
+    rise[2] = rise[2].mean()
+    light = np.array([0.32, 0.78, 0.74])[:, None]
+    tip = np.array([0.1, 0.6, 0.5])[:, None] * ragged
     out = turned(reach, np.maximum(rise, 0.0), tip=tip, light=light)
     return out._replace(place=out.place * (1.0, flat, 1.0))
 
@@ -490,17 +501,18 @@ def forms(wanted: Sequence[tuple[str, int]]) -> list[list[CoralMesh]]:
 
 def growth_levels(kind: str, variant: int) -> list[CoralMesh]:
     """Make all levels of one variant of a kind, finest first, in single precision."""
-    return [single(shape(kind, variant, level)) for level in range(LEVELS)]
+    number = LEVELS if kind in LUMPS else LEVELS - 1
+    return [single(shape(kind, variant, level)) for level in range(number)]
 
 
 @cache
 def shape(kind: str, variant: int, level: int) -> CoralMesh:
     """One variant of a kind at one level, with the proportions of `habitat.reef.KINDS`."""
-    if level == LEVELS - 1:
-        before = shape(kind, variant, level - 1)
-        last = fitted(lump(kind, before), KINDS[kind].height)
-        return last if len(last.triangles) < len(before.triangles) else before
     rng = np.random.default_rng([variant, 0xC0, list(SHAPES).index(kind)])
     if kind == "mound":  # not fitted: other growths stand on this surface
-        return mound(rng, level, variant)
-    return fitted(SHAPES[kind](rng, level), KINDS[kind].height)
+        mesh = mound(rng, level, variant)
+    elif level == LEVELS - 1:
+        mesh = fitted(lump(kind, variant, shape(kind, variant, level - 2)), KINDS[kind].height)
+    else:
+        mesh = fitted(SHAPES[kind](rng, level), KINDS[kind].height)
+    return mesh if level < WELDED else welded(mesh, kind in TUBES)

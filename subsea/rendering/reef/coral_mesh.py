@@ -212,6 +212,24 @@ def joined(*meshes: CoralMesh) -> CoralMesh:
     return CoralMesh(*parts, np.concatenate(triangles))  # type: ignore[call-arg]
 
 
+def welded(mesh: CoralMesh, seams: bool) -> CoralMesh:
+    """The mesh with one vertex for all that are equal.
+
+    With `seams` also for those that differ in their texture positions: textures then run backward
+    along the seam of a tube, and turn about its end.
+    """
+    place = 1e5 * mesh.place, 1e3 * mesh.normal
+    same = np.round(np.column_stack(place if seams else (*place, 1e3 * mesh.along)))
+    _, first, number = np.unique(same, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.argsort(order)
+    kept = first[order]
+    return CoralMesh(
+        mesh.place[kept], mesh.normal[kept], mesh.along[kept], mesh.tip[kept], mesh.light[kept],
+        mesh.sway[kept], rank[number.reshape(-1)][mesh.triangles],
+    )  # fmt: skip
+
+
 def fitted(mesh: CoralMesh, height: float) -> CoralMesh:
     """The mesh scaled to a largest distance of 1 from the axis and to this height."""
     place = mesh.place
@@ -286,6 +304,25 @@ class Branches(NamedTuple):
         radius: Array = thicker * (self.radius[:, :1] + share * np.diff(self.radius))
         path, radius = capped(path, radius) if cap else pointed(path, radius)
         share = np.pad(share, ((0, 0), (0, path.shape[1] - rings)), constant_values=1.0)
+        return self._tubes(path, radius, share, sides, pale, sway, dark)
+
+    def spikes(
+        self, widest: float, thicker: float, pale: float = 0.6, dark: float = 0.4
+    ) -> CoralMesh:
+        """All branches as triangular spikes, the widest at this share of the length.
+
+        They have three triangles if that is 0, else six. Other values are those of `tubes`.
+        """
+        at = [0.0, 1.0] if widest == 0.0 else [0.0, widest, 1.0]
+        share = np.tile(at, (len(self.length), 1))
+        radius = thicker * self.radius.max(axis=1, keepdims=True) * (share == widest)
+        return self._tubes(self.at(share), radius, share, 3, pale, 0.0, dark)
+
+    def _tubes(
+        self, path: Array, radius: Array, share: Array, sides: int, pale: float, sway: float,
+        dark: float,
+    ) -> CoralMesh:  # fmt: skip
+        """Tubes along paths (b, r, 3) of the branches, at shares (b, r) of their lengths."""
         last = (self.order == self.order.max())[:, None]
         tip = np.where(last, np.clip((share - pale) / (1.0 - pale), 0.0, 1.0) ** 1.5, 0.0)
         light = thicket_light(path, dark)
