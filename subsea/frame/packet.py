@@ -43,6 +43,7 @@ from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, ViewArrays, coverage, vi
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import (
     LEVELS,
+    SPECK,
     THRESHOLDS_PX,
     LodState,
     draw_order,
@@ -173,6 +174,14 @@ class PackOptions:
     growth: float = 1.0  # share of the clusters of seaweed
     culling: bool = True  # leave out what no view sees
     lod: bool = True  # choose levels of detail; otherwise everything is at its finest
+    dots: bool = False  # draw the smallest fishes as dots, not as specks
+
+    @property
+    def thresholds_px(self) -> Array:
+        """The least length in pixels of a fish at each level but the last."""
+        if not self.lod:
+            return NEVER_COARSE
+        return THRESHOLDS_PX / self.detail * ([1.0] * (len(LEVELS) - 2) + [float(self.dots)])
 
 
 PLAIN = PackOptions()
@@ -230,7 +239,7 @@ def pack(
     update_levels(
         pixels,
         wavy,
-        THRESHOLDS_PX / options.detail if options.lod else NEVER_COARSE,
+        options.thresholds_px,
         time_s,
         memory,
     )
@@ -245,9 +254,8 @@ def pack(
         state.sea.plankton, state.sea.absent, arrays, options.culling
     )
     tiny = np.zeros(len(order), np.bool_)
-    for own in starts:
-        for k in range(0, len(own) - 1, len(LEVELS)):  # the coarsest level comes first
-            tiny[own[k] : own[k + 1]] = True
+    for own in starts:  # the coarsest level comes first
+        tiny[own[0] : own[len(LEVELS) - SPECK]] = True
     instances = _instances(world, centres, (order, shares, tiny), alpha)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start

@@ -14,9 +14,10 @@ from subsea.kernels import kernel
 from subsea.kernels.threads import share
 
 # Finest first; the second and the third are those of SMC table 2.
-LEVELS = ("tessellated", "close", "distant", "far", "speck")
+LEVELS = ("tessellated", "close", "distant", "far", "speck", "dot")
+SPECK = LEVELS.index("speck")  # from this level on a fish has short shaders of its own
 # Least length of a fish in pixels for each level but the last.
-THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0])
+THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0, 8.5])
 HYSTERESIS = 0.12
 FADE_S = 0.3
 HIDDEN = 255  # instead of a level
@@ -78,9 +79,9 @@ def draw_order(
     """Sort the fishes to draw into groups: indices, shares of the cross-fade, starts of groups.
 
     Each view has one group per level, coarsest first, of fishes at rest, then one per level of
-    fading fishes, which are in two groups. Fading specks count as at rest. A view draws the fishes
-    at a finite `distance` (v, n), in each group the farthest first. Returns indices (m,), shares
-    (m,) as `frame.packet.FADE`, and starts (v, 2 levels + 1), which include the end.
+    fading fishes, which are in two groups. Fading specks and dots count as at rest. A view draws
+    the fishes at a finite `distance` (v, n), in each group the farthest first. Returns indices
+    (m,), shares (m,) as `frame.packet.FADE`, and starts (v, 2 levels + 1), which include the end.
     """
     seen = [np.flatnonzero((row < np.inf) & (memory.level != HIDDEN)) for row in distance]
     order = [_farthest_first(own, row[own]) for own, row in zip(seen, distance, strict=True)]
@@ -145,4 +146,4 @@ def _under_way(since: float, time_s: float) -> bool:
 
 @kernel
 def _group(level: int, fading: bool, levels: int) -> int:
-    return levels - 1 - level + (levels if fading and level < levels - 1 else 0)
+    return levels - 1 - level + (levels if fading and level < SPECK else 0)
