@@ -44,10 +44,10 @@ from subsea.view.display_rigs import cockpit
 from subsea.view.levels import (
     LEVELS,
     SPECK,
-    THRESHOLDS_PX,
     LodState,
     draw_order,
     empty_lod_state,
+    thresholds_of,
     update_levels,
 )
 from subsea.view.rig import CameraPose
@@ -176,13 +176,6 @@ class PackOptions:
     lod: bool = True  # choose levels of detail; otherwise everything is at its finest
     dots: bool = False  # draw the smallest fishes as dots, not as specks
 
-    @property
-    def thresholds_px(self) -> Array:
-        """The least length in pixels of a fish at each level but the last."""
-        if not self.lod:
-            return NEVER_COARSE
-        return THRESHOLDS_PX / self.detail * ([1.0] * (len(LEVELS) - 2) + [float(self.dots)])
-
 
 PLAIN = PackOptions()
 
@@ -236,13 +229,11 @@ def pack(
     # fishes are drawn one level finer.
     wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
     memory = empty_lod_state(len(pixels)) if memory is None else memory
-    update_levels(
-        pixels,
-        wavy,
-        options.thresholds_px,
-        time_s,
-        memory,
+    number = int((pixels >= 0.0).sum())
+    thresholds = (
+        thresholds_of(number, options.detail, options.dots) if options.lod else NEVER_COARSE
     )
+    update_levels(pixels, wavy, thresholds, time_s, memory)
     order, shares, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
     state = world.state
@@ -275,7 +266,7 @@ def pack(
         batches=batches,
         plankton=world.state.sea.plankton.copy(),
         plankton_seen=tuple(specks[a:b] for a, b in pairwise(bounds.tolist())),
-        hidden=int((pixels < 0.0).sum()),
+        hidden=len(pixels) - number,
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),
