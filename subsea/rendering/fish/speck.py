@@ -124,7 +124,7 @@ def _ring(column: int) -> list[int]:
 
 
 def places(plan: SurfacePlan, shape: Speck) -> Array:
-    """What differs between species at the vertices of a speck or a dot, (n, 4).
+    """Compute the data (n, 4) of a species at the vertices of a speck or a dot.
 
     Texture coordinates as shares of its cell, ABSENT or 0, and how far the ring of a dot is moved
     out, as a multiple of the way from the opposite point; 0 elsewhere.
