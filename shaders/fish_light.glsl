@@ -1,3 +1,9 @@
+// A colour as an individual wears it: `tone` is a tint and how saturated it is.
+vec3 toned(vec3 colour, vec4 tone) {
+    float grey = dot(colour, vec3(0.2126, 0.7152, 0.0722));
+    return max(mix(vec3(grey), colour, tone.w), 0.0) * tone.rgb;
+}
+
 // Silver in the skin lies in upright platelets, whatever the curve of the flank (Denton 1970): it
 // mirrors the water beside a fish, not that above. A surface's normal, as platelets are turned.
 const float UPRIGHT = 0.3;

@@ -3,12 +3,6 @@
 const vec2 SCALES = vec2(72.0, 32.0);  // per body length along, from ridge to ridge
 const float TILT = 0.24, ROUND = 0.34;  // of a scale: at random, and as it bulges
 
-// A colour as an individual wears it: `tone` is a tint and how saturated it is.
-vec3 toned(vec3 colour, vec4 tone) {
-    float grey = dot(colour, vec3(0.2126, 0.7152, 0.0722));
-    return max(mix(vec3(grey), colour, tone.w), 0.0) * tone.rgb;
-}
-
 // Two numbers of a scale's own, -0.5 to 0.5.
 vec2 chance(vec2 cell, float identity) {
     ivec2 c = ivec2(cell);

@@ -43,10 +43,11 @@ from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, ViewArrays, coverage, vi
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import (
     LEVELS,
-    THRESHOLDS_PX,
+    SPECK,
     LodState,
     draw_order,
     empty_lod_state,
+    thresholds_of,
     update_levels,
 )
 from subsea.view.rig import CameraPose
@@ -173,6 +174,7 @@ class PackOptions:
     growth: float = 1.0  # share of the clusters of seaweed
     culling: bool = True  # leave out what no view sees
     lod: bool = True  # choose levels of detail; otherwise everything is at its finest
+    dots: bool = False  # draw the smallest fishes as dots, not as specks
 
 
 PLAIN = PackOptions()
@@ -227,13 +229,11 @@ def pack(
     # fishes are drawn one level finer.
     wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
     memory = empty_lod_state(len(pixels)) if memory is None else memory
-    update_levels(
-        pixels,
-        wavy,
-        THRESHOLDS_PX / options.detail if options.lod else NEVER_COARSE,
-        time_s,
-        memory,
+    number = int((pixels >= 0.0).sum())
+    thresholds = (
+        thresholds_of(number, options.detail, options.dots) if options.lod else NEVER_COARSE
     )
+    update_levels(pixels, wavy, thresholds, time_s, memory)
     order, shares, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
     state = world.state
@@ -245,9 +245,8 @@ def pack(
         state.sea.plankton, state.sea.absent, arrays, options.culling
     )
     tiny = np.zeros(len(order), np.bool_)
-    for own in starts:
-        for k in range(0, len(own) - 1, len(LEVELS)):  # the coarsest level comes first
-            tiny[own[k] : own[k + 1]] = True
+    for own in starts:  # the coarsest level comes first
+        tiny[own[0] : own[len(LEVELS) - SPECK]] = True
     instances = _instances(world, centres, (order, shares, tiny), alpha)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
@@ -267,7 +266,7 @@ def pack(
         batches=batches,
         plankton=world.state.sea.plankton.copy(),
         plankton_seen=tuple(specks[a:b] for a, b in pairwise(bounds.tolist())),
-        hidden=int((pixels < 0.0).sum()),
+        hidden=len(pixels) - number,
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),

@@ -14,9 +14,13 @@ from subsea.kernels import kernel
 from subsea.kernels.threads import share
 
 # Finest first; the second and the third are those of SMC table 2.
-LEVELS = ("tessellated", "close", "distant", "far", "speck")
+LEVELS = ("tessellated", "close", "distant", "far", "speck", "dot")
+SPECK = LEVELS.index("speck")  # from this level on a fish has short shaders of its own
 # Least length of a fish in pixels for each level but the last.
-THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0])
+THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0, 8.5])
+# In a crowd nobody sees the shape of one small fish. So dots are longer there, by the share CROWDED
+# at most, and by half of it with CROWD fishes in sight.
+CROWD, CROWDED = 5000.0, 0.3
 HYSTERESIS = 0.12
 FADE_S = 0.3
 HIDDEN = 255  # instead of a level
@@ -34,6 +38,17 @@ class LodState(NamedTuple):
 def empty_lod_state(n: int) -> LodState:
     """The state before the first picture of n fishes."""
     return LodState(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
+
+
+def thresholds_of(number: int, detail: float, dots: bool) -> Array:
+    """Compute the least length in pixels for each level but the last, with `number` in sight.
+
+    `detail` divides all lengths. The threshold of dots grows evenly with the number of fishes, so
+    that no fish changes its level at once with all others.
+    """
+    factor = np.ones(len(THRESHOLDS_PX))
+    factor[SPECK] = 1.0 + CROWDED * number / (number + CROWD) if dots else 0.0
+    return np.asarray(THRESHOLDS_PX / detail * factor)
 
 
 def update_levels(
@@ -78,9 +93,9 @@ def draw_order(
     """Sort the fishes to draw into groups: indices, shares of the cross-fade, starts of groups.
 
     Each view has one group per level, coarsest first, of fishes at rest, then one per level of
-    fading fishes, which are in two groups. Fading specks count as at rest. A view draws the fishes
-    at a finite `distance` (v, n), in each group the farthest first. Returns indices (m,), shares
-    (m,) as `frame.packet.FADE`, and starts (v, 2 levels + 1), which include the end.
+    fading fishes, which are in two groups. Fading specks and dots count as at rest. A view draws
+    the fishes at a finite `distance` (v, n), in each group the farthest first. Returns indices
+    (m,), shares (m,) as `frame.packet.FADE`, and starts (v, 2 levels + 1), which include the end.
     """
     seen = [np.flatnonzero((row < np.inf) & (memory.level != HIDDEN)) for row in distance]
     order = [_farthest_first(own, row[own]) for own, row in zip(seen, distance, strict=True)]
@@ -145,4 +160,4 @@ def _under_way(since: float, time_s: float) -> bool:
 
 @kernel
 def _group(level: int, fading: bool, levels: int) -> int:
-    return levels - 1 - level + (levels if fading and level < levels - 1 else 0)
+    return levels - 1 - level + (levels if fading and level < SPECK else 0)

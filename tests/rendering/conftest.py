@@ -19,7 +19,7 @@ from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Water
 from subsea.state import FINS_AT_EASE
 from subsea.view.display_rigs import display_rig, views_for
-from subsea.view.levels import LEVELS
+from subsea.view.levels import SPECK
 from subsea.view.rig import pose_from_angles, views
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -209,7 +209,7 @@ def make_packet():
 
 def _group(fish):
     """True if the batch is of fading fishes, and its level, coarsest first."""
-    return fish.fade != 0.0 and fish.level < len(LEVELS) - 1, -fish.level
+    return fish.fade != 0.0 and fish.level < SPECK, -fish.level
 
 
 def record(fish):

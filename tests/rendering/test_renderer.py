@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.rendering.fish.speck import speck
+from subsea.rendering.fish.speck import dot, speck
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import display_rig
@@ -89,7 +89,7 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     renderer.draw(make_packet([], size=(160, 90)))
     without = renderer.triangles
     counts = []
-    for level in range(5):
+    for level in range(6):
         renderer.draw(make_packet([fish(0, (0, 40, -200), level=level)] * 7, size=(160, 90)))
         fishes, rest = divmod(renderer.triangles - without, 7)
         assert rest == 0
@@ -99,7 +99,7 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     assert 900 < counts[1] < 1050
     assert 700 < counts[2] < 850  # fins are counted on both sides
     assert 160 <= counts[3] < 230
-    assert counts[4] == len(speck().triangles) == 40
+    assert counts[4:] == [len(speck().triangles), len(dot().triangles)] == [40, 10]
 
 
 @pytest.mark.nightly

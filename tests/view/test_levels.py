@@ -10,9 +10,11 @@ from subsea.view.levels import (
     HIDDEN,
     HYSTERESIS,
     LEVELS,
+    SPECK,
     THRESHOLDS_PX,
     draw_order,
     empty_lod_state,
+    thresholds_of,
     update_levels,
 )
 
@@ -35,9 +37,22 @@ def test_nearer_is_never_coarser(sizes):
 
 def test_every_level_has_its_sizes():
     sizes = np.concatenate([[2 * THRESHOLDS_PX[0]], 0.99 * THRESHOLDS_PX])
-    np.testing.assert_array_equal(_level(sizes, empty_lod_state(5)), range(len(LEVELS)))
-    finer = _level(sizes, empty_lod_state(5), finer=True)
-    np.testing.assert_array_equal(finer, [0, 0, 1, 2, 3])
+    np.testing.assert_array_equal(_level(sizes, empty_lod_state(6)), range(len(LEVELS)))
+    finer = _level(sizes, empty_lod_state(6), finer=True)
+    np.testing.assert_array_equal(finer, [0, 0, 1, 2, 3, 4])
+
+
+def test_the_size_of_dots_follows_the_number_of_fishes_evenly():
+    """A tenth more fishes change it by far less than HYSTERESIS, and other levels not at all."""
+    numbers = np.unique(np.geomspace(1, 1e6, 300).astype(int))
+    many = np.array([thresholds_of(number, 0.7, dots=True) for number in numbers])
+    np.testing.assert_allclose(many[:, :-1], np.tile(THRESHOLDS_PX[:-1] / 0.7, (len(numbers), 1)))
+    assert (np.diff(many[:, -1]) > 0).all()
+    assert many[0, -1] == pytest.approx(THRESHOLDS_PX[-1] / 0.7, rel=0.001)
+    assert many[-1, -1] == pytest.approx(1.3 * THRESHOLDS_PX[-1] / 0.7, rel=0.005)
+    more = np.array([thresholds_of(int(1.1 * number), 0.7, dots=True)[-1] for number in numbers])
+    assert (more / many[:, -1] < 1.0 + HYSTERESIS / 10).all()
+    assert thresholds_of(9000, 1.0, dots=False).tolist() == [*THRESHOLDS_PX[:-1], 0.0]
 
 
 def test_a_level_changes_once_on_an_approach_and_a_retreat():
@@ -78,11 +93,11 @@ def test_a_fade_shares_the_pixels_between_both_levels():
         time_s = 1.0 + 0.07 * k
         _level(100.0 if k == 0 else 40.0, memory, time_s)
         fish, share, starts = _drawn(memory, time_s)
-        groups = np.repeat(np.arange(10), np.diff(starts))
+        groups = np.repeat(np.arange(2 * len(LEVELS)), np.diff(starts))
         if len(fish) == 2:
             assert share.max() - share.min() == pytest.approx(1.0)  # f and f - 1
             # The new, coarse level comes first.
-            np.testing.assert_array_equal(groups, [5 + 4 - 3, 5 + 4 - 2])
+            np.testing.assert_array_equal(groups, 2 * len(LEVELS) - 1 - np.array([3, 2]))
             assert share[0] > 0 > share[1]
             shares.append(share[0])
         else:
@@ -130,7 +145,7 @@ def test_groups_hold_their_levels_the_farthest_first(sizes, seed):
         assert (np.diff(distance[group]) <= 0).all()
         level = len(LEVELS) - 1 - k % len(LEVELS)
         fading = k >= len(LEVELS)
-        assert level == len(LEVELS) - 1 or ((share[starts[k] : starts[k + 1]] != 0) == fading).all()
+        assert level >= SPECK or ((share[starts[k] : starts[k + 1]] != 0) == fading).all()
         mine = np.where(
             share[starts[k] : starts[k + 1]] < 0, memory.former[group], memory.level[group]
         )

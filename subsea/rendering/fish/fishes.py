@@ -4,6 +4,7 @@ All species are drawn by the same calls: their skins share one atlas, other cons
 in one uniform block, and each instance has the index of its species.
 """
 
+from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate
 from math import cos, radians, sin
@@ -32,7 +33,7 @@ from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, ROW_A, ROW_B, Batch, Packet, RenderScene
 from subsea.rendering.fish import speck as fish_speck
 from subsea.rendering.fish.atlas import COARSEST, FRAMES, cell, frame, make_atlas, side_by_side
-from subsea.rendering.fish.speck import Speck, places, speck
+from subsea.rendering.fish.speck import Speck, dot, places, speck
 from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.feedback import VertexFeedback
 from subsea.rendering.gl.id_buffer import FISH, object_id
@@ -48,7 +49,7 @@ from subsea.rendering.output.quality import PRESETS, Quality
 
 FINE = 2  # levels whose fins are drawn after all bodies
 # Defines of program variants, see `shaders/fishes.frag` and `shaders/show.glsl`.
-SPECK, OWN_IDS, CAST = ("SPECK",), ("OWN_IDS",), ("CAST",)
+SPECK, DOT, OWN_IDS, CAST = ("SPECK",), ("SPECK", "DOT"), ("OWN_IDS",), ("CAST",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 
@@ -89,15 +90,14 @@ class FishRenderer(GpuOwner):
         self._vertices = self.own(
             table(context, cached(level_vertices, scene.species, self._meshes))
         )
-        self._shape = shape = speck()
-        self._places = self.own(table(context, speck_places(scene.species, shape)))
-        self._speck_triangles = len(shape.triangles)
-        listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
+        self._specks = [speck(), dot()]
+        specks, speck_triangles, self._first_speck = joined(self._specks)
+        self._places = self.own(table(context, speck_places(scene.species, self._specks)))
         # The programs of fishes and of specks, with their vertex arrays.
         self._forms = []
         for name, columns, indices, layout in (
             ("fishes", vertices, triangles, (VERTEX_FORMAT, *VERTEX_ATTRIBUTES)),
-            ("fish_speck", shape.vertices, listed, fish_speck.LAYOUT),
+            ("fish_speck", specks, speck_triangles, fish_speck.LAYOUT),
         ):
             constants = {"SPECIES": len(scene.species), "COARSEST": COARSEST}
             first = _defines(SPECK if name == "fish_speck" else (), quality.defines)
@@ -111,7 +111,8 @@ class FishRenderer(GpuOwner):
         # Separate programs for distant and for fading fishes, because discarding pixels is slow.
         plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
         self._cold = {self._made(own, quality.defines): len(triangles) - 1 for own in plain}
-        self._cold[self._made(SPECK, quality.defines)] = self._speck_triangles
+        for own in (SPECK, DOT):
+            self._cold[self._made(own, quality.defines)] = len(speck_triangles) - 1
 
     def fits(self, scene: RenderScene) -> bool:
         """True if a scene has the same species and recorded motion."""
@@ -144,7 +145,7 @@ class FishRenderer(GpuOwner):
         """Replace the shapes, and the skins if given, of all species."""
         self._looks.write(_looks(species, length_cm).tobytes())
         self._vertices.write(level_vertices(species, self._meshes).tobytes())
-        self._places.write(speck_places(species, self._shape).tobytes())
+        self._places.write(speck_places(species, self._specks).tobytes())
         if skins is not None:
             self._skins.write(side_by_side(skins))
             self._skins.build_mipmaps(max_level=COARSEST)
@@ -170,8 +171,9 @@ class FishRenderer(GpuOwner):
         fine = []
         self._context.enable(moderngl.CULL_FACE)
         for batch in batches:
-            if batch.level == len(DETAILS):
-                first, triangles = 0, self._speck_triangles
+            if batch.level >= len(DETAILS):
+                number = batch.level - len(DETAILS)
+                first, triangles = self._first_speck[number], len(self._specks[number].triangles)
             else:
                 mesh, first = self._meshes[batch.level], self._first[batch.level]
                 triangles = len(mesh.triangles)
@@ -195,7 +197,7 @@ class FishRenderer(GpuOwner):
         self._bind()
         array = self._made(SPECK, CAST)
         set_uniforms(array.program, u_without=-1.0, **uniforms)
-        self._render(array, 0, self._speck_triangles, 0, number)
+        self._render(array, 0, len(self._specks[0].triangles), 0, number)
 
     def _bind(self) -> None:
         self._table.use(TEXTURE_UNITS["u_table"])
@@ -205,12 +207,14 @@ class FishRenderer(GpuOwner):
         self._looks.bind_to_uniform_block(BLOCKS["Looks"])
 
     def _variant(self, batch: Batch, defines: tuple[str, ...]) -> Any:
+        if batch.level >= len(DETAILS):
+            return self._made((SPECK, DOT)[batch.level - len(DETAILS)], defines)
         own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
-        return self._made(SPECK if batch.level == len(DETAILS) else own, defines)
+        return self._made(own, defines)
 
     def _made(self, own: tuple[str, ...], defines: tuple[str, ...]) -> Any:
         """Return the vertex array for these defines, made with its program when first needed."""
-        variants, array = self._forms[own == SPECK]
+        variants, array = self._forms[own[:1] == SPECK]
         array = variants.variant(array, _defines(own, defines))
         if array not in self._attributes:
             formats, compiled = INSTANCE_FORMAT.split(), array.program
@@ -236,7 +240,7 @@ class FishRenderer(GpuOwner):
 
 def _defines(own: tuple[str, ...], defines: tuple[str, ...]) -> tuple[str, ...]:
     """Join the defines of a level and of a picture; coarse levels lack details of close-ups."""
-    coarse = own == SPECK or "DISTANT" in own
+    coarse = own[:1] == SPECK or "DISTANT" in own
     return own + tuple(define for define in defines if not (coarse and define == "CLOSE_UP"))
 
 
@@ -337,7 +341,7 @@ def _shape_shader(kinds: int) -> VertexFeedback:
     return VertexFeedback("fishes", OUTPUTS, SPECIES=kinds)
 
 
-def joined(meshes: list[Mesh]) -> tuple[Array, Ints, list[int]]:
+def joined(meshes: Sequence[Mesh | Speck]) -> tuple[Array, Ints, list[int]]:
     """Vertices, triangles (the last without area) and first triangles of all levels."""
     starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
@@ -365,12 +369,12 @@ def level_vertices(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
     )
 
 
-def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
-    """Atlas position, and ABSENT or 0, of the vertices of specks, (species, n, 4) float32."""
-    out = np.zeros((len(species), len(shape.points), 4), "f4")
+def speck_places(species: tuple[Species, ...], shapes: list[Speck]) -> Array:
+    """As `speck.places` of some shapes, (species, n, 4) float32, but places on the atlas."""
+    out = np.zeros((len(species), sum(len(shape.points) for shape in shapes), 4), "f4")
     for k, one in enumerate(species):
         left, bottom, width, height = cell(k, len(species))
-        out[k, :, :3] = places(one.surface, shape)
+        out[k] = np.concatenate([places(one.surface, shape) for shape in shapes])
         out[k, :, :2] = (left, bottom) + out[k, :, :2] * (width, height)
     return out
 

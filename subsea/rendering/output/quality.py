@@ -30,6 +30,8 @@ class Quality:
     smooth: bool = True
     # Factor on the pixels by which levels of detail are chosen: larger is finer.
     detail: float = 1.0
+    # False: fishes of a few pixels are drawn as dots of ten triangles.
+    fine_specks: bool = True
     # Share of corals and of clusters of seaweed that is drawn, in [0, 1].
     growth: float = 1.0
     # Specks of marine snow in the box about the eye.
@@ -76,12 +78,19 @@ class Quality:
     @property
     def packing(self) -> PackOptions:
         """The options of `frame.packet.pack` for this quality."""
-        return PackOptions(self.detail, self.growth)
+        return PackOptions(self.detail, self.growth, dots=not self.fine_specks)
 
 
 PRESETS = {
     "low": Quality(
-        floats=False, smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, close_up=False
+        floats=False,
+        smooth=False,
+        detail=0.7,
+        fine_specks=False,
+        growth=0.6,
+        snow=700,
+        shafts=6,
+        close_up=False,
     ),
     "medium": Quality(sun_map=1024),
     "high": Quality(

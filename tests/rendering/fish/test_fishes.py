@@ -52,7 +52,7 @@ from subsea.rendering.fish import fishes
 from subsea.rendering.fish.fishes import AT_ONCE, FishShape
 from subsea.rendering.fish.preview import FINS as AT_EASE
 from subsea.rendering.fish.preview import FishPreview, Orbit
-from subsea.rendering.fish.speck import speck
+from subsea.rendering.fish.speck import dot, places, speck
 from subsea.rendering.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.state import DORSAL as DORSAL_FIN
@@ -67,6 +67,8 @@ from subsea.state import (
     TWIST_RIGHT,
     WAVE_SINE,
 )
+from subsea.view.levels import LEVELS
+from tests.support.daily import only
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
@@ -491,28 +493,31 @@ def test_levels_agree_in_silhouette(drawn, make_packet, fish, species):
 
 
 @pytest.mark.parametrize("species", [0, 1])
-def test_a_speck_looks_like_the_level_before_it(drawn, make_packet, fish, species):
-    """Equal size and brightness where one level replaces another: at a length of 24 pixels."""
+@pytest.mark.parametrize(("level", "away_cm", "least_px"), [(4, 32.0, 40), (5, 64.0, 10)])
+def test_a_coarse_level_looks_like_the_one_before_it(
+    drawn, make_packet, fish, species, level, away_cm, least_px
+):
+    """Equal size and brightness where one level replaces another: at 24 pixels, and at 12."""
     size = (60, 40)
     silhouettes, sums = [], []
-    for level in (3, 4):
+    for drawn_as in (level - 1, level):
         shape, colour = np.zeros(size[::-1]), np.zeros(3)
         for k, heading in enumerate(np.linspace(0.0, 6.0, 12)):
-            one = fish(species, (0, 32, -200), heading=heading, level=level)
+            one = fish(species, (0.3 * k, away_cm, -200 + 0.2 * k), heading=heading, level=drawn_as)
             packets = [make_packet(f, size=size, time_s=3.0 * k) for f in ([one], [])]
             change = np.subtract(*(drawn(packet, quality=PRESETS["low"]) for packet in packets))
             shape += np.abs(change).max(axis=2) > 4
             colour += change.sum(axis=(0, 1))
         silhouettes.append(shape.sum() / 12)
         sums.append(colour / 12)
-    assert silhouettes[0] > 40
+    assert silhouettes[0] > least_px
     assert silhouettes[1] == pytest.approx(silhouettes[0], rel=0.1)
     assert (np.abs(sums[1] - sums[0]) / silhouettes[0] < 12).all()  # grey levels a pixel
 
 
-def test_a_speck_is_closed_and_a_handful_of_triangles():
-    shape = speck()
-    assert len(shape.triangles) <= 40
+@pytest.mark.parametrize(("shape", "most"), [(speck(), 40), (dot(), 10)])
+def test_a_coarse_level_is_closed_and_a_handful_of_triangles(shape, most):
+    assert len(shape.triangles) <= most
     body = shape.triangles[~shape.thin[shape.triangles].any(axis=1)]
     edges = np.concatenate([body[:, [0, 1]], body[:, [1, 2]], body[:, [2, 0]]])
     forward, backward = ({tuple(e) for e in way} for way in (edges, edges[:, ::-1]))
@@ -523,7 +528,47 @@ def test_a_speck_is_closed_and_a_handful_of_triangles():
     assert (a * np.cross(b, c)).sum() > 0  # its volume: triangles turn outward
 
 
-@pytest.mark.parametrize("level", range(5))
+def _around(number):
+    """Axes (number, 3, 2) across directions that are spread evenly over the sphere."""
+    k = np.arange(number) + 0.5
+    z, turn = 1.0 - 2.0 * k / number, k * np.pi * (3.0 - np.sqrt(5.0))
+    ring = np.sqrt(1.0 - z**2)
+    side = np.stack([-np.sin(turn), np.cos(turn), 0.0 * z], axis=-1)
+    upward = np.stack([-z * np.cos(turn), -z * np.sin(turn), ring], axis=-1)
+    return np.stack([side, upward], axis=-1)
+
+
+SIDES = _around(20)
+GRID = np.stack(np.meshgrid(*[np.arange(-1.1, 1.1, 0.04)] * 2), axis=-1).reshape(-1, 2)
+
+
+@pytest.mark.parametrize("name", only(["fusilier", "clownfish"], shipped_species()))
+def test_a_dot_covers_as_much_as_a_speck(name):
+    """Seen from 20 sides on average; pixels whose middle lies in a triangle are counted."""
+    plan = load_species(name).surface
+    rest, areas = rest_control_points(plan, 1.0, 0.0), []
+    for shape in (speck(), dot()):
+        own = places(plan, shape)
+        moved = np.where(own[:, 3:] > 0.0, own[:, 3:], 1.0)
+        points = rest[shape.roots] + moved * (rest[shape.points] - rest[shape.roots])
+        triangles = shape.triangles[(own[:, 2] != ABSENT)[shape.triangles].all(axis=1)]
+        areas.append(sum(_silhouette(points @ axes, triangles) for axes in SIDES))
+    assert areas[1] == pytest.approx(areas[0], rel=0.07)
+
+
+def _silhouette(points, triangles):
+    """The number of points of GRID in any of the triangles of points (n, 2)."""
+
+    def beside(begin, end):
+        (dx, dy), (px, py) = (end - begin).T, (GRID[:, None] - begin).transpose(2, 0, 1)
+        return dx * py - dy * px >= 0.0
+
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    left = np.array([beside(a, b), beside(b, c), beside(c, a)])
+    return (left.all(axis=0) | ~left.any(axis=0)).any(axis=1).sum()
+
+
+@pytest.mark.parametrize("level", range(len(LEVELS)))
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
 def test_a_cross_fade_draws_each_pixel_exactly_once(drawn, make_packet, fish, level, share):
     """Both halves of a cross-fade at one level make the whole fish; one alone makes its share.
@@ -548,7 +593,7 @@ def test_a_cross_fade_draws_each_pixel_exactly_once(drawn, make_packet, fish, le
         np.testing.assert_array_equal(whole, both)
 
 
-@pytest.mark.parametrize("level", range(5))
+@pytest.mark.parametrize("level", range(len(LEVELS)))
 def test_a_view_lacks_the_body_of_the_fish_whose_eye_it_is(drawn, make_packet, fish, level):
     def seen(fishes, without=-1):
         packet = make_packet(fishes, size=(120, 80))
