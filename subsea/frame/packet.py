@@ -229,10 +229,7 @@ def pack(
     # fishes are drawn one level finer.
     wavy = np.array([one.spine is not None for one in world.species])[fishes.species]
     memory = empty_lod_state(len(pixels)) if memory is None else memory
-    number = int((pixels >= 0.0).sum())
-    thresholds = (
-        thresholds_of(number, options.detail, options.dots) if options.lod else NEVER_COARSE
-    )
+    thresholds = thresholds_of(options.detail, options.dots) if options.lod else NEVER_COARSE
     update_levels(pixels, wavy, thresholds, time_s, memory)
     order, shares, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
@@ -266,7 +263,7 @@ def pack(
         batches=batches,
         plankton=world.state.sea.plankton.copy(),
         plankton_seen=tuple(specks[a:b] for a, b in pairwise(bounds.tolist())),
-        hidden=len(pixels) - number,
+        hidden=int((pixels < 0.0).sum()),
         live_points=live_points,
         live_row=len(library.entry),
         passing_cm_s=_velocity(world),

@@ -18,9 +18,6 @@ LEVELS = ("tessellated", "close", "distant", "far", "speck", "dot")
 SPECK = LEVELS.index("speck")  # from this level on a fish has short shaders of its own
 # Least length of a fish in pixels for each level but the last.
 THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0, 8.5])
-# In a crowd nobody sees the shape of one small fish. So dots are longer there, by the share CROWDED
-# at most, and by half of it with CROWD fishes in sight.
-CROWD, CROWDED = 5000.0, 0.3
 HYSTERESIS = 0.12
 FADE_S = 0.3
 HIDDEN = 255  # instead of a level
@@ -40,15 +37,14 @@ def empty_lod_state(n: int) -> LodState:
     return LodState(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
 
 
-def thresholds_of(number: int, detail: float, dots: bool) -> Array:
-    """Compute the least length in pixels for each level but the last, with `number` in sight.
+def thresholds_of(detail: float, dots: bool) -> Array:
+    """Compute the least length in pixels for each level but the last; `detail` divides it.
 
-    `detail` divides all lengths. The threshold of dots grows evenly with the number of fishes, so
-    that no fish changes its level at once with all others.
+    Without `dots` a speck may be of any length.
     """
-    factor = np.ones(len(THRESHOLDS_PX))
-    factor[SPECK] = 1.0 + CROWDED * number / (number + CROWD) if dots else 0.0
-    return np.asarray(THRESHOLDS_PX / detail * factor)
+    thresholds = THRESHOLDS_PX / detail
+    thresholds[SPECK] *= float(dots)
+    return np.asarray(thresholds)
 
 
 def update_levels(

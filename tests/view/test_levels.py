@@ -42,17 +42,13 @@ def test_every_level_has_its_sizes():
     np.testing.assert_array_equal(finer, [0, 0, 1, 2, 3, 4])
 
 
-def test_the_size_of_dots_follows_the_number_of_fishes_evenly():
-    """A tenth more fishes change it by far less than HYSTERESIS, and other levels not at all."""
-    numbers = np.unique(np.geomspace(1, 1e6, 300).astype(int))
-    many = np.array([thresholds_of(number, 0.7, dots=True) for number in numbers])
-    np.testing.assert_allclose(many[:, :-1], np.tile(THRESHOLDS_PX[:-1] / 0.7, (len(numbers), 1)))
-    assert (np.diff(many[:, -1]) > 0).all()
-    assert many[0, -1] == pytest.approx(THRESHOLDS_PX[-1] / 0.7, rel=0.001)
-    assert many[-1, -1] == pytest.approx(1.3 * THRESHOLDS_PX[-1] / 0.7, rel=0.005)
-    more = np.array([thresholds_of(int(1.1 * number), 0.7, dots=True)[-1] for number in numbers])
-    assert (more / many[:, -1] < 1.0 + HYSTERESIS / 10).all()
-    assert thresholds_of(9000, 1.0, dots=False).tolist() == [*THRESHOLDS_PX[:-1], 0.0]
+def test_without_dots_specks_are_the_smallest():
+    with_dots, without = (thresholds_of(0.7, dots) for dots in (True, False))
+    np.testing.assert_allclose(with_dots, THRESHOLDS_PX / 0.7)
+    np.testing.assert_allclose(without, [*with_dots[:-1], 0.0])
+    specks = np.full(20, 0.1)
+    update_levels(specks, specks > 1.0, without, 0.0, memory := empty_lod_state(20))
+    assert (memory.level == SPECK).all()
 
 
 def test_a_level_changes_once_on_an_approach_and_a_retreat():
