@@ -44,10 +44,9 @@ class Speck(NamedTuple):
     """Vertices and triangles of a coarse fish, common to all species."""
 
     points: Ints  # (n,) the control point of each vertex
-    roots: (
-        Ints  # (n,) the point from which a vertex is moved: that opposite of a dot's ring, at ...
-    )
-    # ... the root of the edge of a fin, else its own
+    # (n,) the point from which a vertex is moved: of the edge of a fin at its root, of the ring of a
+    # dot opposite, else its own
+    roots: Ints
     normals: Array  # (n, 3) in body axes; on fins of either side
     thin: Bools  # (n,) True for vertices of fins
     fin: Ints  # (n,) 1 on the dorsal and 2 on the ventral fin, which a species may lack; else 0
