@@ -44,8 +44,8 @@ class Speck(NamedTuple):
     """Vertices and triangles of a coarse fish, common to all species."""
 
     points: Ints  # (n,) the control point of each vertex
-    # (n,) the point from which a vertex is moved: of the edge of a fin at its root, of the ring of a
-    # dot opposite, else its own
+    # (n,) the point from which a vertex is moved: of the edge of a fin at its root, of a dot's ring
+    # opposite, else its own
     roots: Ints
     normals: Array  # (n, 3) in body axes; on fins of either side
     thin: Bools  # (n,) True for vertices of fins
