@@ -98,6 +98,8 @@ def test_a_key_switches_between_behind_a_fish_and_its_eyes(boat, user, monkeypat
 def test_keys_steer_the_fish_while_the_submarine_keeps_station(boat, user, monkeypatch):
     orders, make = [], boat.timeline.make
     monkeypatch.setattr(boat.timeline, "make", lambda order: (orders.append(order), make(order)))
+    if boat.picture.ride is None:  # without the test before
+        pressed(boat, user, "c", lambda: boat.picture.ride is not None and boat.picture.ride.behind)
     world, fish = boat.world, boat.picture.ride.by.fish
     submarine, fishes = world.state.submarine, world.state.fishes
     pressed(boat, user, "g", lambda: boat.tick_source.steered_fish == fish)
