@@ -154,6 +154,7 @@ def watches_and_restarts_a_node(presenter, master, node):
         nodes = presenter.ask("/api/state")[1]["fleet"]["nodes"]
         return next(one for one in nodes if one["name"] == "left")
 
+    until(lambda: presenter.ask("/api/state")[1]["fleet"] is not None)  # after its first picture
     until(lambda: left()["version"] is not None)
     assert left()["connected"]
     assert 0.0 < left()["frame_ms"] <= left()["longest_ms"]
