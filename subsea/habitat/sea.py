@@ -72,7 +72,7 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[st
 
 
 def bare(sea: Sea) -> Sea:
-    """The sea without plankton, seaweed and hour, on which nothing depends that grows in it."""
+    """The sea without plankton, seaweed and hour: what grows there does not depend on them."""
     rows = {name: getattr(sea, name)[:0] for name in ("plankton", "absent", "deflection")}
     return sea._replace(**rows, seaweed=sea.seaweed[:0], sky=sea.sky[:0])
 

@@ -23,9 +23,8 @@ MOST_KEPT = 256
 
 Code = Callable[..., Any]
 
-_kept: dict[
-    int, tuple[Any, tuple[Any, ...]]
-] = {}  # tuples of numbers, by their addresses, and their traits
+# Tuples of numbers by their addresses, and their traits.
+_kept: dict[int, tuple[Any, tuple[Any, ...]]] = {}
 
 
 def traits(values: tuple[Any, ...]) -> tuple[Any, ...]:
